@@ -1,0 +1,1 @@
+"""The service: HTTP and WebSocket, conductor, database, sign-in, DICOM receiver, command line."""

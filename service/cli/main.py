@@ -1,0 +1,41 @@
+"""The `coaxial` command: subcommands are entry points, loaded only when they are called.
+
+`register` and its siblings must start without importing the web stack or the database, and
+`simulate` and `demo` live in a package that nothing may import; entry points give both. Command
+modules import what is heavy inside their functions, so that `--help` stays quick.
+"""
+
+from importlib.metadata import entry_points
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+_GROUP = "coaxial.commands"
+
+
+class LazyCommands(TyperGroup):
+    """A command group whose members are resolved by entry point at call time."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of every installed subcommand, sorted."""
+        return sorted(point.name for point in entry_points(group=_GROUP))
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """The command behind the entry point `cmd_name` (a Typer app), or None where there is none."""
+        for point in entry_points(group=_GROUP, name=cmd_name):
+            return typer.main.get_command(point.load())
+        return None
+
+
+app = typer.Typer(cls=LazyCommands, no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+
+
+@app.callback()
+def coaxial() -> None:
+    """Robot-assisted needle placement under C-arm fluoroscopy. Research software, not for clinical use."""
+
+
+def main() -> None:
+    """Entry point of the installed command."""
+    app()

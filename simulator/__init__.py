@@ -1,0 +1,1 @@
+"""A simulated operating room that speaks only the protocols of a real one."""

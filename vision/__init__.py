@@ -1,0 +1,1 @@
+"""Image in, geometry out: distortion, rings, line, bead, registration, targeting, evaluation, C-arm angles."""
