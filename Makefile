@@ -1,24 +1,58 @@
-# Coaxial. `make demo` runs four targets end to end; `make test` proves the tree.
+# Coaxial: `make demo` runs four targets end to end; `make test` proves the tree.
 PYTHON ?= python3.11
-VENV := .venv
-BIN := $(VENV)/bin
-export PYTHONDONTWRITEBYTECODE := 1
+VENV   := .venv
+BIN    := $(VENV)/bin
+PIP    := $(BIN)/pip install --quiet --disable-pip-version-check
+# Many small matrices: threads of the linear algebra only fight over two cores.
+export OMP_NUM_THREADS := 1
+export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: help demo run test samples lock check clean
+.DEFAULT_GOAL := help
+.PHONY: help demo run test check tests samples format lock
+
 help:  ## this list
-	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
+	@grep -hE '^[a-z]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
+
+demo: $(VENV)/.runtime  ## four pedicle screws, from C-arm to sleeve, in a simulated room
+	$(BIN)/coaxial demo
+
+run: $(VENV)/.runtime  ## leave the service and the simulated room up; prints address and sign-in
+	$(BIN)/coaxial demo --stay
+
+test: check tests  ## everything that must hold before a change lands
+
+check: $(VENV)/.test  ## formatting, lint, types, import contracts
+	$(BIN)/ruff format --check --quiet .
+	$(BIN)/ruff check --quiet .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+tests: $(VENV)/.test
+	@for need in dcmtk:storescu; do command -v $${need#*:} >/dev/null || \
+	  { echo "missing Debian package: apt-get install $${need%:*}"; exit 1; }; done
+	$(BIN)/python -m pytest -n 2 --dist worksteal
+
+samples: $(VENV)/.runtime  ## register, flip and turn the images of SAMPLES=folder against their truth
+	$(BIN)/python benchmarks/samples.py $(SAMPLES)
+
+format: $(VENV)/.test  ## write the house format
+	$(BIN)/ruff format --quiet .
+	$(BIN)/ruff check --quiet --fix .
+
+lock:  ## resolve the two lock files anew (needs uv)
+	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --extra build \
+	  pyproject.toml -o requirements.lock
+	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --extra build --extra test \
+	  -c requirements.lock pyproject.toml -o requirements-test.lock
 
 $(VENV)/.runtime: requirements.lock pyproject.toml
-	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "Python 3.11 with venv is needed: apt-get install python3.11 python3.11-venv"; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || \
+	  { echo "Python 3.11 with venv is needed: apt-get install python3.11 python3.11-venv"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
-	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	$(PIP) --require-hashes -r requirements.lock
+	$(PIP) --no-deps --no-build-isolation --editable .
 	@touch $@
 
 $(VENV)/.test: $(VENV)/.runtime requirements-test.lock
-	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements-test.lock
+	$(PIP) --require-hashes -r requirements-test.lock
 	@touch $@
-
-lock:  ## resolve the two lock files anew (needs uv)
-	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --extra build pyproject.toml -o requirements.lock
-	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --extra build --extra test -c requirements.lock pyproject.toml -o requirements-test.lock
