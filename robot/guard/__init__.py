@@ -1,0 +1,1 @@
+"""The guard: a process of its own that alone may move the arm."""

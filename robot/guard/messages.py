@@ -1,0 +1,234 @@
+"""What the service and the guard say to each other: one JSON object a line.
+
+Transforms are 4x4 in mm, times are seconds of CLOCK_MONOTONIC, which every process of a machine shares.
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TypeAlias
+
+from robot.arm import ArmState
+from robot.frames import Array, Transform
+from robot.refusal import Refusal
+
+
+class Phase(StrEnum):
+    """Where the guard is. Held: refuses every motion until `Acknowledge`."""
+
+    HELD = "held"
+    IDLE = "idle"
+    STARTING = "starting"
+    MOVING = "moving"
+    STOPPING = "stopping"
+
+
+class EndCause(StrEnum):
+    """Why a motion ended. After arrived, missed and released the guard is idle, after the others held."""
+
+    ARRIVED = "arrived"
+    MISSED = "missed"
+    RELEASED = "released"
+    STOPPED = "stopped"
+    HEARTBEAT_LOST = "heartbeat_lost"
+    FEEDBACK_LOST = "feedback_lost"
+    PARENT_LOST = "parent_lost"
+    OVERSPEED = "overspeed"
+    CONTROL_LOST = "control_lost"
+    PROTECTIVE_STOP = "protective_stop"
+    SAFEGUARD_STOP = "safeguard_stop"
+    EMERGENCY_STOP = "emergency_stop"
+    SAFETY_FAULT = "safety_fault"
+    ARM_OFF = "arm_off"
+
+
+class FaultKind(StrEnum):
+    """A fault seen without a motion; each latches the guard into held."""
+
+    FEEDBACK_LOST = "feedback_lost"
+    PROTECTIVE_STOP = "protective_stop"
+    SAFEGUARD_STOP = "safeguard_stop"
+    EMERGENCY_STOP = "emergency_stop"
+    SAFETY_FAULT = "safety_fault"
+    ARM_OFF = "arm_off"
+    GUARD_LOST = "guard_lost"  # said by the client: the process died or fell silent
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BeginMove:
+    """Start a motion under a permit; needs a live, held heartbeat of the same permit.
+
+    Attributes
+    ----------
+    permit_id : str
+        Single use, for the life of the guard too.
+    start_joints_rad : (6,)
+        Joints bound by the permit (H04).
+    flange_from_guide, payload_kg, payload_centre_mm
+        Must be what the controller reports, within the tolerances (H10).
+    """
+
+    permit_id: str
+    base_from_goal: Transform
+    start_joints_rad: Array
+    speed_mm_s: float
+    acceleration_mm_s2: float
+    duration_s: float
+    flange_from_guide: Transform
+    payload_kg: float
+    payload_centre_mm: Array
+    tcp_tolerance_mm: float
+    tcp_tolerance_rad: float
+    payload_tolerance_kg: float
+    payload_tolerance_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class Heartbeat:
+    """The surgeon's hold, every 50 ms: number rises within a permit, challenge is the newest that was seen."""
+
+    permit_id: str
+    number: int
+    challenge: str
+    held: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """Stop the arm now, in every phase."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Acknowledge:
+    """A human has acknowledged: held becomes idle. Never starts anything."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Status:
+    """At least 20 a second.
+
+    Attributes
+    ----------
+    sequence : int
+    sent_at_s : float
+    challenge : str
+        To be echoed in the next heartbeat.
+    connected : bool
+        Whether the controller's feedback is advancing.
+    arm : ArmState or None
+        Newest reading, however old; its age is sent_at_s - arm.received_at_s. None before the first.
+    held, heartbeat_age_s : bool, float or None
+        Of the newest heartbeat; the age is that of the challenge it echoed.
+    """
+
+    sequence: int
+    sent_at_s: float
+    phase: Phase
+    challenge: str
+    connected: bool
+    arm: ArmState | None
+    permit_id: str | None
+    held: bool
+    heartbeat_age_s: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MotionStarted:
+    """The motion was put on the wire; with the TCP and payload that the controller reported."""
+
+    permit_id: str
+    at_s: float
+    base_from_start: Transform
+    joints_rad: Array
+    flange_from_tcp: Transform
+    payload_kg: float
+    payload_centre_mm: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MotionEnded:
+    """A motion is over and its program gone.
+
+    Attributes
+    ----------
+    at_rest : bool
+        Seen at rest; False if the feedback was lost before that.
+    distance_mm, angle_rad : float or None
+        From the goal; None without feedback.
+    arm : ArmState or None
+        Last reading.
+    stop_sent_at_s : float or None
+        When the stop went out.
+    trajectory_file, trajectory_samples
+        JSON lines at the controller's rate, in the journal's folder.
+    program_stopped : bool
+        No program was running on the controller at the end.
+    """
+
+    permit_id: str
+    cause: EndCause
+    at_s: float
+    at_rest: bool
+    program_stopped: bool
+    distance_mm: float | None
+    angle_rad: float | None
+    arm: ArmState | None
+    stop_sent_at_s: float | None
+    trajectory_file: str
+    trajectory_samples: int
+
+
+@dataclass(frozen=True, slots=True)
+class MoveRefused:
+    """A motion was refused before the first packet of it; the permit is spent."""
+
+    permit_id: str
+    at_s: float
+    refusal: Refusal
+
+
+@dataclass(frozen=True, slots=True)
+class StopSent:
+    """A requested stop went out, or could not (`written` False: the controller is away)."""
+
+    reason: str
+    at_s: float
+    written: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A fault without a motion."""
+
+    kind: FaultKind
+    at_s: float
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Disturbed:
+    """The arm is displaced by more than 0.05 mm or 0.02 deg and no motion accounts for it (H04)."""
+
+    at_s: float
+    offset_mm: float
+    angle_rad: float
+
+
+Command: TypeAlias = BeginMove | Heartbeat | Stop | Acknowledge
+Event: TypeAlias = Status | MotionStarted | MotionEnded | MoveRefused | StopSent | Fault | Disturbed
+
+
+def encode(message: Command | Event) -> bytes:
+    """One line, ended by a newline."""
+    raise NotImplementedError
+
+
+def decode_command(line: bytes) -> Command:
+    """A command from a line; MessageError if it is none."""
+    raise NotImplementedError
+
+
+def decode_event(line: bytes) -> Event:
+    """An event from a line; MessageError if it is none."""
+    raise NotImplementedError

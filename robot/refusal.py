@@ -1,0 +1,40 @@
+"""What the world refused: returned, never raised."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class RefusalCode(StrEnum):
+    """Stable reasons of `plan_path` and of the guard; documented with their limits where they are decided."""
+
+    # plan_path
+    GOAL_UNREACHABLE = "goal_unreachable"
+    JOINT_LIMIT = "joint_limit"
+    NEAR_SINGULARITY = "near_singularity"
+    JOINT_JUMP = "joint_jump"
+    JOINT_SPEED = "joint_speed"
+    PATH_TOO_LONG = "path_too_long"
+    MODEL_MISMATCH = "model_mismatch"
+    # guard, before a motion
+    GUARD_HELD = "guard_held"
+    MOTION_RUNNING = "motion_running"
+    PERMIT_REUSED = "permit_reused"
+    NO_LIVE_HEARTBEAT = "no_live_heartbeat"
+    ARM_UNREACHABLE = "arm_unreachable"
+    ARM_NOT_READY = "arm_not_ready"
+    ARM_NOT_AT_REST = "arm_not_at_rest"
+    ARM_MOVED_SINCE_PERMIT = "arm_moved_since_permit"
+    TCP_MISMATCH = "tcp_mismatch"
+    PAYLOAD_MISMATCH = "payload_mismatch"
+    SPEED_ABOVE_CAP = "speed_above_cap"
+    CONTROLLER_REFUSED = "controller_refused"
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """A refusal with what was measured and the limit, in the unit that the message names."""
+
+    code: RefusalCode
+    message: str
+    measured: float | None
+    limit: float | None
