@@ -1,0 +1,48 @@
+"""Limits of the interlocks, each with its unit and origin."""
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Passed in with every question; the service takes them from its settings."""
+
+    # Times. Window and permit: the state machine; feedback and heartbeat: the guard's own limits.
+    exposure_window_s: float = 120.0
+    permit_life_s: float = 30.0
+    feedback_age_s: float = 0.1
+    heartbeat_age_s: float = 0.2
+    # Own choice: slow readings (files, controller settings, lease) are read anew for each question.
+    record_age_s: float = 2.0
+    # Own choice: a breathing patient on a table is not the one of a quarter of an hour ago.
+    verification_age_s: float = 900.0
+    # H04, at the TCP.
+    unaccounted_mm: float = 0.05
+    unaccounted_rad: float = math.radians(0.02)
+    # Joint tolerance of a permit: the angle of H04.
+    permit_joint_rad: float = math.radians(0.02)
+    # H29, alarm limits of the pose that is watched while inserting.
+    drift_mm: float = 0.3
+    drift_rad: float = math.radians(0.1)
+    # H10: a TCP calibration is known to 0.1 mm and 0.05 deg; the controller stores what it is sent.
+    tcp_difference_mm: float = 0.1
+    tcp_difference_rad: float = math.radians(0.05)
+    payload_difference_kg: float = 0.05
+    # The verification: error and its 95 % bound together.
+    angle_error_rad: float = math.radians(1.0)
+    position_error_mm: float = 1.5
+    # H05 to H07: what a registration must at least show; the finer gates are vision's.
+    mirror_margin: float = 3.0  # log-likelihood ratio for the bead over its mirror place: 20 to 1
+    plate_balls: int = 40  # a tenth of the reference plate
+    scale_error: float = 0.05  # relative: a C-arm file that is off by more is another C-arm's
+    residual_rms_px: float = 1.0
+    ring_coverage: float = 0.5  # fraction of the worse ring's contour
+    # H09, edges of plausibility: a UR5 reaches 850 mm; near the patient it is capped at 20 mm/s and 5 deg/s (H12).
+    path_length_mm: float = 850.0
+    path_angle_rad: float = math.pi
+    speed_mm_s: float = 20.0
+    speed_rad_s: float = math.radians(5.0)
+    joint_rad: float = 2.0 * math.pi
+    evaluation_angle_rad: float = math.radians(45.0)  # the guide's z lies within 45 deg of the ray
+    evaluation_position_mm: float = 150.0  # the guide's field
