@@ -1,5 +1,10 @@
-"""Ellipses and conic matrices; true ring centres and the 12 fiducials from the two ellipses and the line."""
+"""Ellipses and conic matrices; true ring centres and the 12 fiducials from the two ellipses and the line.
 
+A ring's centre does not project onto the centre of its ellipse: it is the pole of the vanishing line of the ring's
+plane. Derivation: docs/method.md.
+"""
+
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,24 +12,12 @@ from numpy.typing import NDArray
 
 from vision.devices import Guide
 from vision.projection import Intrinsics
-from vision.refusal import Refusal
+from vision.refusal import Refusal, RefusalCode
 
 Array = NDArray[np.float64]
 
-FIDUCIAL_NAMES = (
-    "small_centre",
-    "small_x_plus",
-    "small_x_minus",
-    "small_y_plus",
-    "small_y_minus",
-    "big_centre",
-    "big_x_plus",
-    "big_x_minus",
-    "big_y_plus",
-    "big_y_minus",
-    "line_start",
-    "line_end",
-)
+_THINNEST_AXIS_RATIO = 1e-3  # minor to major: thinner ones are lines that an ellipse happens to fit
+_CENTRE_ROUNDS = 4  # the iteration has converged far below a thousandth of a pixel by then
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,45 +39,220 @@ class RingPair:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RingCentres:
-    """Projections (2,) of the true ring centres, corrected pixels, and the vanishing line (3,) of the rings' planes."""
+    """Projections of the true ring centres.
+
+    Attributes
+    ----------
+    small_px, big_px : Array
+        (2,) each, corrected pixels.
+    vanishing_line : Array
+        (3,), homogeneous, corrected pixels: of the planes of both rings.
+    depth_ratio : float
+        Z_P / Z_Q, big ring's depth over small ring's, below 1.
+    """
 
     small_px: Array
     big_px: Array
     vanishing_line: Array
+    depth_ratio: float
 
 
 def fit_ellipse(points: Array) -> Ellipse | None:
-    """Least-squares ellipse of points (n, 2), corrected pixels; None where no ellipse fits them."""
-    raise NotImplementedError
+    """Ellipse of least algebraic distance.
+
+    Parameters
+    ----------
+    points : Array
+        (n, 2), corrected pixels, n of at least 6.
+
+    Returns
+    -------
+    Ellipse or None
+        None where no ellipse fits the points.
+
+    Notes
+    -----
+    Direct fit of Fitzgibbon in the stable form of Halir and Flusser; points are centred and scaled first, else the
+    squares of pixel coordinates swamp the constant term.
+    """
+    mean = points.mean(axis=0)
+    scale = float(np.sqrt(((points - mean) ** 2).mean()))
+    if len(points) < 6 or not scale > 0.0:
+        return None
+    x, y = ((points - mean) / scale).T
+    quadratic, linear = np.column_stack((x * x, x * y, y * y)), np.column_stack((x, y, np.ones_like(x)))
+    linear_from_quadratic = -np.linalg.lstsq(linear, quadratic, rcond=None)[0]
+    scatter = quadratic.T @ (quadratic + linear @ linear_from_quadratic)
+    constrained = np.array([scatter[2] / 2.0, -scatter[1], scatter[0] / 2.0])
+    values, vectors = np.linalg.eig(constrained)
+    candidates = np.real(vectors[:, np.isreal(values)])
+    elliptic = candidates[:, 4.0 * candidates[0] * candidates[2] > candidates[1] ** 2]
+    if elliptic.shape[1] != 1:
+        return None
+    a, b, c = elliptic[:, 0]
+    d, e, f = linear_from_quadratic @ elliptic[:, 0]
+    normalised = np.array([[a, b / 2.0, d / 2.0], [b / 2.0, c, e / 2.0], [d / 2.0, e / 2.0, f]])
+    shift = np.array([[1.0, 0.0, -mean[0]], [0.0, 1.0, -mean[1]], [0.0, 0.0, scale]]) / scale
+    ellipse = ellipse_from_conic(shift.T @ normalised @ shift)
+    if ellipse is None or ellipse.semi_axes_px[1] < _THINNEST_AXIS_RATIO * ellipse.semi_axes_px[0]:
+        return None
+    return ellipse
 
 
 def conic_from_ellipse(ellipse: Ellipse) -> Array:
-    """Symmetric (3, 3) conic of an ellipse, negative inside."""
-    raise NotImplementedError
+    """Symmetric (3, 3) conic of an ellipse, corrected pixels, negative inside."""
+    cosine, sine = math.cos(ellipse.angle_rad), math.sin(ellipse.angle_rad)
+    axes = np.array([[cosine, sine], [-sine, cosine]]) / np.array(ellipse.semi_axes_px)[:, None]
+    centre = np.array(ellipse.centre_px)
+    unit_from_image = np.vstack((np.column_stack((axes, -axes @ centre)), (0.0, 0.0, 1.0)))
+    return np.asarray(unit_from_image.T @ np.diag((1.0, 1.0, -1.0)) @ unit_from_image)
 
 
 def ellipse_from_conic(conic: Array) -> Ellipse | None:
-    """The ellipse of a (3, 3) conic; None where the conic is no real ellipse."""
-    raise NotImplementedError
+    """The ellipse of a symmetric (3, 3) conic of either sign; None where the conic is no real ellipse."""
+    conic = conic * np.sign(np.trace(conic[:2, :2]))
+    values, vectors = np.linalg.eigh(conic[:2, :2])
+    if not values[0] > 0.0:
+        return None
+    centre = -np.linalg.solve(conic[:2, :2], conic[:2, 2])
+    at_centre = float(conic[2, 2] + conic[:2, 2] @ centre)
+    if not at_centre < 0.0:
+        return None
+    major, minor = np.sqrt(-at_centre / values)
+    u, v = vectors[:, 0]
+    angle_rad = math.atan2(v, u) if u > 0.0 or (u == 0.0 and v > 0.0) else math.atan2(-v, -u)
+    return Ellipse((float(centre[0]), float(centre[1])), (float(major), float(minor)), angle_rad)
 
 
 def pole(conic: Array, line: Array) -> Array:
-    """Homogeneous point (3,) whose polar with respect to `conic` is `line` (3,)."""
-    raise NotImplementedError
+    """Homogeneous point (3,) whose polar with respect to the (3, 3) `conic` is the homogeneous `line` (3,)."""
+    return np.asarray(np.linalg.solve(conic, line), dtype=np.float64)
 
 
 def polar(conic: Array, point: Array) -> Array:
-    """Homogeneous line (3,), polar of the homogeneous point (3,)."""
-    raise NotImplementedError
+    """Homogeneous line (3,), polar of the homogeneous `point` (3,) with respect to the (3, 3) `conic`."""
+    return np.asarray(conic @ point)
 
 
-def true_centres(rings: RingPair, guide: Guide, nominal: Intrinsics) -> RingCentres:
-    """Projections of the ring centres by the iteration of docs/method.md (four rounds, nominal intrinsics)."""
-    raise NotImplementedError
+def depth_ratio(rings: RingPair, guide: Guide) -> float:
+    """Z_P / Z_Q from the semi-major axes: eq. (10), with the fraction the right way up (docs/method.md)."""
+    return (guide.big_ring_radius_mm * rings.small.semi_axes_px[0]) / (
+        guide.small_ring_radius_mm * rings.big.semi_axes_px[0]
+    )
+
+
+def true_centres(rings: RingPair, guide: Guide, nominal: Intrinsics) -> RingCentres | Refusal:
+    """Projections of the ring centres.
+
+    Parameters
+    ----------
+    rings : RingPair
+        Fitted ellipses, corrected pixels.
+    guide : Guide
+        Radii, mm.
+    nominal : Intrinsics
+        Corrected pixels; tens of pixels off change the centres by little.
+
+    Returns
+    -------
+    RingCentres or Refusal
+        `guide_mismatch` where the ellipses are no image of two coaxial rings.
+
+    Notes
+    -----
+    Iteration of docs/method.md in coordinates normalised by K, where the vanishing line of the rings' planes is the
+    axis itself. It is stable at every view, the aligned one included.
+    """
+    matrix = nominal.matrix()
+    small, big = (matrix.T @ conic_from_ellipse(ellipse) @ matrix for ellipse in (rings.small, rings.big))
+    q, p = (np.linalg.solve(matrix, (*ellipse.centre_px, 1.0)) for ellipse in (rings.small, rings.big))
+    ratio = depth_ratio(rings, guide)
+    for _ in range(_CENTRE_ROUNDS):
+        axis = q - ratio * p
+        q, p = _dehomogenised(pole(small, axis)), _dehomogenised(pole(big, axis))
+        chords = _half_chord(small, q, axis), _half_chord(big, p, axis)
+        ratio = (guide.big_ring_radius_mm * chords[0]) / (guide.small_ring_radius_mm * chords[1])
+        if not (math.isfinite(ratio) and ratio < 1.0):
+            message = "the two ellipses are no image of the guide's rings: depth ratio of big to small ring"
+            return Refusal(RefusalCode.GUIDE_MISMATCH, message, ratio, 1.0)
+    line = np.asarray(np.linalg.solve(matrix.T, q - ratio * p), dtype=np.float64)
+    return RingCentres((matrix @ q)[:2], (matrix @ p)[:2], line, ratio)
+
+
+def _dehomogenised(point: Array) -> Array:
+    return np.asarray(point / point[2])
+
+
+def _half_chord(conic: Array, point: Array, vanishing_line: Array) -> float:
+    """Half the chord through a normalised `point` (3,) parallel to the vanishing line: radius over depth, exactly."""
+    direction = np.array([vanishing_line[1], -vanishing_line[0], 0.0])
+    length = float(np.linalg.norm(direction))
+    # seen along the axis every direction serves
+    direction = direction / length if length > 1e-12 else np.array([1.0, 0.0, 0.0])
+    minus, plus = _chord(conic, point, direction)
+    return (plus - minus) / 2.0
 
 
 def fiducials(
     rings: RingPair, line_start_px: Array, line_end_px: Array, guide: Guide, nominal: Intrinsics
 ) -> dict[str, Array] | Refusal:
-    """The 12 fiducials (2,), corrected pixels, in the order of `FIDUCIAL_NAMES`."""
-    raise NotImplementedError
+    """The 12 fiducials.
+
+    Parameters
+    ----------
+    rings : RingPair
+        Fitted ellipses, corrected pixels.
+    line_start_px, line_end_px : Array
+        (2,) each, ends of the indicator line, corrected pixels.
+    guide, nominal
+        As for `true_centres`.
+
+    Returns
+    -------
+    dict or Refusal
+        (2,) each, corrected pixels, by the names of `projection.fiducials_in_guide`.
+    """
+    centres = true_centres(rings, guide, nominal)
+    if isinstance(centres, Refusal):
+        return centres
+    line = np.cross((*line_start_px, 1.0), (*line_end_px, 1.0))
+    vanishing_x = _vanishing_x(line, line_start_px, line_end_px, centres)
+    points: dict[str, Array] = {}
+    for name, ellipse, centre in (("small", rings.small, centres.small_px), ("big", rings.big, centres.big_px)):
+        points |= _ring_fiducials(name, conic_from_ellipse(ellipse), centre, vanishing_x)
+    return points | {"line_start": np.array(line_start_px), "line_end": np.array(line_end_px)}
+
+
+def _vanishing_x(line: Array, start_px: Array, end_px: Array, centres: RingCentres) -> Array:
+    """Vanishing point (3,) of guide x, signed so that x - x_3 * point leads towards guide +x at every image point."""
+    point = np.cross(line, centres.vanishing_line)
+    point /= np.linalg.norm(point)
+    return np.copysign(1.0, (point[:2] - point[2] * start_px) @ (end_px - start_px)) * point
+
+
+def _ring_fiducials(name: str, conic: Array, centre: Array, vanishing_x: Array) -> dict[str, Array]:
+    """Centre and the ends of the diameters along guide x and y; y+ is a quarter turn from x+, from u towards v."""
+    along_x = vanishing_x[:2] - vanishing_x[2] * centre
+    y_line = polar(conic, vanishing_x)
+    along_y = np.array([-y_line[1], y_line[0]])
+    along_y *= np.copysign(1.0, along_x[0] * along_y[1] - along_x[1] * along_y[0])
+    points = {f"{name}_centre": centre}
+    for axis, direction in (("x", along_x), ("y", along_y)):
+        minus, plus = _chord_ends(conic, centre, direction / np.linalg.norm(direction))
+        points |= {f"{name}_{axis}_plus": plus, f"{name}_{axis}_minus": minus}
+    return points
+
+
+def _chord_ends(conic: Array, centre: Array, direction: Array) -> tuple[Array, Array]:
+    """Ends (2,) of the chord through `centre`, against and along the unit `direction` (2,)."""
+    minus, plus = _chord(conic, np.array([*centre, 1.0]), np.array([*direction, 0.0]))
+    return centre + direction * minus, centre + direction * plus
+
+
+def _chord(conic: Array, point: Array, direction: Array) -> tuple[float, float]:
+    """Distances from `point` (3,) along `direction` (3,) at which the conic is met; the same twice where it is not."""
+    a, b, c = (
+        float(value) for value in (direction @ conic @ direction, direction @ conic @ point, point @ conic @ point)
+    )
+    root = math.sqrt(max(0.0, b * b - a * c))
+    return (-b - root) / a, (-b + root) / a

@@ -9,6 +9,14 @@ from vision.devices import CArm, Guide
 
 Array = NDArray[np.float64]
 
+_RING_FIDUCIALS = (
+    ("centre", 0.0, 0.0),
+    ("x_plus", 1.0, 0.0),
+    ("x_minus", -1.0, 0.0),
+    ("y_plus", 0.0, 1.0),
+    ("y_minus", 0.0, -1.0),
+)
+
 
 @dataclass(frozen=True, slots=True)
 class Intrinsics:
@@ -61,15 +69,46 @@ def project(view: View, points_in_guide: Array) -> Array:
 
 
 def ring_conic(view: View, radius_mm: float, z_mm: float) -> Array:
-    """Symmetric (3, 3) conic C, x^T C x = 0 in corrected pixels, of the circle of `radius_mm` in the plane z = `z_mm`."""
-    raise NotImplementedError
+    """Image of a circle about the guide's axis.
+
+    Parameters
+    ----------
+    view : View
+        Intrinsics and pose.
+    radius_mm, z_mm : float
+        The circle's radius, and the z of its plane in the guide frame.
+
+    Returns
+    -------
+    Array
+        Symmetric (3, 3) conic C with x^T C x = 0 in corrected pixels, negative inside.
+    """
+    pose = view.source_from_guide
+    image_from_plane = view.intrinsics.matrix() @ np.column_stack(
+        (pose[:3, 0], pose[:3, 1], pose[:3, 2] * z_mm + pose[:3, 3])
+    )
+    plane_from_image = np.linalg.inv(image_from_plane)
+    conic = plane_from_image.T @ np.diag((1.0, 1.0, -(radius_mm**2))) @ plane_from_image
+    return np.asarray(conic / np.linalg.norm(conic[:2, :2]))
 
 
 def line_image(view: View, guide: Guide) -> Array:
     """Homogeneous line (3,) in corrected pixels through the indicator line's image."""
-    raise NotImplementedError
+    start, end = project(view, np.array([[guide.line_start_mm, 0.0, 0.0], [guide.line_end_mm, 0.0, 0.0]]))
+    return np.cross((*start, 1.0), (*end, 1.0))
 
 
 def fiducials_in_guide(guide: Guide) -> dict[str, Array]:
-    """The 12 fiducials (3,) in the guide frame, mm, by the names of the contract."""
-    raise NotImplementedError
+    """The 12 fiducials (3,) in the guide frame, mm, by the names of the command-line contract."""
+    rings = {
+        "small": (guide.small_ring_radius_mm, 0.0),
+        "big": (guide.big_ring_radius_mm, -guide.separation_mm),
+    }
+    points = {
+        f"{ring}_{name}": np.array([x * radius, y * radius, z])
+        for ring, (radius, z) in rings.items()
+        for name, x, y in _RING_FIDUCIALS
+    }
+    points["line_start"] = np.array([guide.line_start_mm, 0.0, 0.0])
+    points["line_end"] = np.array([guide.line_end_mm, 0.0, 0.0])
+    return points
