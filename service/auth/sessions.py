@@ -1,0 +1,110 @@
+"""Server-side sessions: an opaque token, of which the database holds only the hash."""
+
+import hashlib
+import secrets
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from uuid import uuid4
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection
+
+from service.auth.permissions import Role
+from service.auth.session import Session, SessionStatus
+from service.auth.users import User
+from service.database import tables
+from service.database.clock import now_utc
+from service.database.engines import Database
+from service.settings import SessionSettings
+
+# A session's last use is written at most this often: reading the status must not cost a disk write each time.
+_SEEN_STEP_S = 10.0
+
+
+class SessionStore:
+    """Sessions in the database, and in memory who may stop: stop asks no database."""
+
+    def __init__(self, database: Database, settings: SessionSettings, now_s: Callable[[], float] = time.time) -> None:
+        self._database = database
+        self._settings = settings
+        self._now_s = now_s
+        with database.read() as connection:
+            self._remembered = {row.token_sha256: self._session(row) for row in _rows(connection)}
+
+    def create(self, user: User) -> tuple[str, Session]:
+        """A session for a user who has proved a password: its token, told once, and the session."""
+        token, now_s = secrets.token_urlsafe(32), self._now_s()
+        expires_at_s = now_s + self._settings.lifetime_s
+        session = Session(uuid4().hex, user.id, user.name, user.role, SessionStatus.ACTIVE, expires_at_s)
+        with self._database.write() as connection:
+            connection.execute(
+                sa.insert(tables.sessions).values(
+                    id=session.id,
+                    token_sha256=_digest(token),
+                    user_id=user.id,
+                    created_at=now_utc(),
+                    expires_at_s=expires_at_s,
+                    last_seen_at_s=now_s,
+                )
+            )
+        self._remembered[_digest(token)] = session
+        return token, session
+
+    def find(self, token: str) -> Session | None:
+        """The session of a token, with what it is still good for; None if unknown, revoked or the user is disabled."""
+        with self._database.read() as connection:
+            row = next(iter(_rows(connection, tables.sessions.c.token_sha256 == _digest(token))), None)
+        if row is None:
+            self._remembered.pop(_digest(token), None)
+            return None
+        session = self._session(row)
+        if session.status is SessionStatus.ACTIVE and self._now_s() - row.last_seen_at_s > _SEEN_STEP_S:
+            self._set(session.id, last_seen_at_s=self._now_s())
+        return session
+
+    def remembered(self, token: str) -> Session | None:
+        """The session of a token from memory alone, its status unknown to it: enough for a stop."""
+        return self._remembered.get(_digest(token))
+
+    def lock(self, session: Session) -> None:
+        """Lock until the PIN is entered."""
+        self._set(session.id, locked_at=now_utc())
+
+    def unlock(self, session: Session) -> Session:
+        """Make a locked session active; the caller has checked the PIN."""
+        self._set(session.id, locked_at=None, last_seen_at_s=self._now_s())
+        return replace(session, status=SessionStatus.ACTIVE)
+
+    def revoke(self, token: str) -> None:
+        """Sign out: the token is good for nothing from now on."""
+        with self._database.write() as connection:
+            where = tables.sessions.c.token_sha256 == _digest(token)
+            connection.execute(sa.update(tables.sessions).where(where).values(revoked_at=now_utc()))
+        self._remembered.pop(_digest(token), None)
+
+    def _set(self, session_id: str, **values: object) -> None:
+        with self._database.write() as connection:
+            connection.execute(sa.update(tables.sessions).where(tables.sessions.c.id == session_id).values(values))
+
+    def _session(self, row: sa.Row[tuple[object, ...]]) -> Session:
+        return Session(row.id, row.user_id, row.name, Role(row.role), self._status(row), row.expires_at_s)
+
+    def _status(self, row: sa.Row[tuple[object, ...]]) -> SessionStatus:
+        now_s = self._now_s()
+        if now_s >= row.expires_at_s:
+            return SessionStatus.EXPIRED
+        if row.locked_at is not None or now_s - row.last_seen_at_s > self._settings.idle_lock_s:
+            return SessionStatus.LOCKED
+        return SessionStatus.ACTIVE
+
+
+def _digest(token: str) -> str:
+    return hashlib.sha256(token.encode()).hexdigest()
+
+
+def _rows(connection: Connection, *where: sa.ColumnElement[bool]) -> list[sa.Row[tuple[object, ...]]]:
+    sessions, users = tables.sessions, tables.users
+    alive = (sessions.c.revoked_at.is_(None), users.c.disabled_at.is_(None))
+    query = sa.select(sessions, users.c.name, users.c.role).join(users, users.c.id == sessions.c.user_id)
+    return list(connection.execute(query.where(*alive, *where)))

@@ -1,0 +1,1 @@
+"""Cases as append-only events with the artefacts each one made."""

@@ -1,0 +1,51 @@
+"""Every request that was decided, with the verdict of every interlock: what the audit and `/interlocks` show."""
+
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection
+
+from service.cases.records import NewAttempt
+from service.database import tables
+from service.database.clock import now_utc
+
+_VERDICT = ("code", "hazard", "passed", "measured", "limit", "unit", "message")
+
+
+def record_attempt(connection: Connection, attempt: NewAttempt) -> int:
+    """Store an attempt with its verdicts; the number it got."""
+    number: int = connection.execute(
+        sa.insert(tables.attempts)
+        .values(
+            case_id=attempt.case_id,
+            user_id=attempt.user_id,
+            trigger=attempt.trigger,
+            accepted=attempt.accepted,
+            code=attempt.code,
+            message=attempt.message,
+            state=attempt.state,
+            recorded_at=now_utc(),
+        )
+        .returning(tables.attempts.c.id)
+    ).scalar_one()
+    rows = [
+        {"attempt_id": number} | {name: getattr(verdict, name) for name in _VERDICT} for verdict in attempt.verdicts
+    ]
+    if rows:
+        connection.execute(sa.insert(tables.verdicts), rows)
+    return number
+
+
+def list_attempts(connection: Connection, case_id: str | None, limit: int = 200) -> list[dict[str, Any]]:
+    """The newest attempts of a case (of all, if None), newest first, each with its verdicts."""
+    table = tables.attempts
+    query = sa.select(table).order_by(table.c.id.desc()).limit(limit)
+    if case_id is not None:
+        query = query.where(table.c.case_id == case_id)
+    return [dict(row._mapping) | {"verdicts": _verdicts(connection, row.id)} for row in connection.execute(query)]
+
+
+def _verdicts(connection: Connection, attempt_id: int) -> list[dict[str, Any]]:
+    columns = [tables.verdicts.c[name] for name in _VERDICT]
+    query = sa.select(*columns).where(tables.verdicts.c.attempt_id == attempt_id).order_by(tables.verdicts.c.id)
+    return [dict(row._mapping) for row in connection.execute(query)]

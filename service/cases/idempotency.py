@@ -1,0 +1,65 @@
+"""Idempotency-Key: the first answer to a key is kept in the transaction of its effect and given again (H14)."""
+
+import hashlib
+from dataclasses import dataclass
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection
+
+from service.database import tables
+from service.database.clock import now_utc
+from service.errors import ErrorCode, ServiceError
+
+
+@dataclass(frozen=True, slots=True)
+class Intent:
+    """One request as a person meant it: who, their key, and what was asked."""
+
+    user_id: str
+    key: str
+    request_sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class KeptAnswer:
+    """What was answered; `version` is the case's after the effect (its ETag)."""
+
+    status: int
+    body: dict[str, Any]
+    version: int | None
+
+
+def intent_of(user_id: str, key: str, method: str, path: str, body: bytes) -> Intent:
+    """The intent of a request; two requests are the same only to the byte."""
+    digest = hashlib.sha256(b"\0".join((method.encode(), path.encode(), body))).hexdigest()
+    return Intent(user_id, key, digest)
+
+
+def kept_answer(connection: Connection, intent: Intent) -> KeptAnswer | None:
+    """The answer that the intent already had; ServiceError IDEMPOTENCY_KEY_REUSED if the key was for another request.
+
+    To be called in the write transaction that will cause the effect: write transactions never overlap.
+    """
+    keys = tables.idempotency_keys
+    row = connection.execute(sa.select(keys).where(keys.c.user_id == intent.user_id, keys.c.key == intent.key)).first()
+    if row is None:
+        return None
+    if row.request_sha256 != intent.request_sha256:
+        raise ServiceError(ErrorCode.IDEMPOTENCY_KEY_REUSED, f"key {intent.key} was used for another request")
+    return KeptAnswer(row.status, row.body, row.version)
+
+
+def keep_answer(connection: Connection, intent: Intent, answer: KeptAnswer) -> None:
+    """Keep the answer beside the effect, in the same transaction."""
+    connection.execute(
+        sa.insert(tables.idempotency_keys).values(
+            user_id=intent.user_id,
+            key=intent.key,
+            request_sha256=intent.request_sha256,
+            status=answer.status,
+            body=answer.body,
+            version=answer.version,
+            created_at=now_utc(),
+        )
+    )

@@ -1,0 +1,200 @@
+"""The event store: a case is its events, and unique (case, sequence) is the optimistic lock.
+
+Every function takes the connection of the caller's transaction, so that an event, its artefacts, the attempt and the
+idempotency key commit together or not at all.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection
+from sqlalchemy.exc import IntegrityError
+
+from service.cases.records import (
+    ArtefactKind,
+    NewArtefact,
+    NewCase,
+    NewEvent,
+    StoredArtefact,
+    StoredCase,
+    StoredEvent,
+)
+from service.database import tables
+from service.database.clock import now_utc
+from service.errors import ErrorCode, ServiceError
+from service.version import PRODUCT_VERSION
+
+_EVENT = (
+    "case_id",
+    "sequence",
+    "version",
+    "trigger",
+    "user_id",
+    "state",
+    "case_state",
+    "data",
+    "recorded_at",
+)
+_ARTEFACT = ("id", "case_id", "sequence", "made_from", "content", "recorded_at")
+_OVER = ("closed", "aborted")
+
+
+def open_case(connection: Connection, case: NewCase, event: NewEvent) -> StoredEvent:
+    """Record a new case with its first event (sequence 1); ServiceError CASE_OPEN if the room has an open one."""
+    open_id = open_case_of(connection, case.room)
+    if open_id is not None:
+        raise ServiceError(ErrorCode.CASE_OPEN, f"room {case.room} has the open case {open_id}")
+    connection.execute(
+        sa.insert(tables.cases).values(
+            id=case.id,
+            room=case.room,
+            patient_id=case.patient_id,
+            study_uid=case.study_uid,
+            opened_by=case.opened_by,
+            product_version=PRODUCT_VERSION,
+            settings_sha256=case.settings_sha256,
+            devices=dict(case.devices),
+            opened_at=now_utc(),
+        )
+    )
+    plans = [{"case_id": case.id, "name": name, "content": dict(plan)} for name, plan in case.planned_targets.items()]
+    if plans:
+        connection.execute(sa.insert(tables.planned_targets), plans)
+    return _insert_event(connection, case.id, event, sequence=1, version=1)
+
+
+def append(
+    connection: Connection,
+    case_id: str,
+    event: NewEvent,
+    *,
+    expected_version: int | None,
+    artefacts: Sequence[NewArtefact] = (),
+) -> StoredEvent:
+    """Append an event and what it made.
+
+    `expected_version` is the one the decision was made on (If-Match); None for facts and observations, which are
+    never refused. Raises ServiceError CASE_UNKNOWN or VERSION_STALE.
+    """
+    last = newest_event(connection, case_id)
+    if expected_version is not None and last.version != expected_version:
+        raise _stale(expected_version, last.version)
+    sequence = last.sequence + 1
+    version = sequence if event.changes_state else last.version
+    try:
+        stored = _insert_event(connection, case_id, event, sequence=sequence, version=version)
+    except IntegrityError as error:  # another writer took the sequence number, where writers can overlap
+        raise _stale(last.version, sequence) from error
+    for artefact in artefacts:
+        _insert_artefact(connection, stored, artefact)
+    return stored
+
+
+def newest_event(connection: Connection, case_id: str) -> StoredEvent:
+    """The last event, which carries the case's state and version; ServiceError CASE_UNKNOWN."""
+    query = sa.select(tables.events).where(tables.events.c.case_id == case_id)
+    row = connection.execute(query.order_by(tables.events.c.sequence.desc()).limit(1)).first()
+    if row is None:
+        raise ServiceError(ErrorCode.CASE_UNKNOWN, f"there is no case {case_id}")
+    return _event(row)
+
+
+def events_after(connection: Connection, case_id: str, sequence: int = 0, limit: int = 1000) -> list[StoredEvent]:
+    """The events behind `sequence`, oldest first."""
+    events = tables.events
+    query = sa.select(events).where(events.c.case_id == case_id, events.c.sequence > sequence)
+    return [_event(row) for row in connection.execute(query.order_by(events.c.sequence).limit(limit))]
+
+
+def read_case(connection: Connection, case_id: str) -> StoredCase:
+    """What was fixed when the case was opened; ServiceError CASE_UNKNOWN."""
+    row = connection.execute(sa.select(tables.cases).where(tables.cases.c.id == case_id)).first()
+    if row is None:
+        raise ServiceError(ErrorCode.CASE_UNKNOWN, f"there is no case {case_id}")
+    return StoredCase(**row._mapping)
+
+
+def list_cases(connection: Connection) -> list[StoredCase]:
+    """Every case, newest first."""
+    query = sa.select(tables.cases).order_by(tables.cases.c.opened_at.desc(), tables.cases.c.id)
+    return [StoredCase(**row._mapping) for row in connection.execute(query)]
+
+
+def planned_targets(connection: Connection, case_id: str) -> dict[str, Any]:
+    """The planned targets of a case, by name."""
+    query = sa.select(tables.planned_targets).where(tables.planned_targets.c.case_id == case_id)
+    return {row.name: row.content for row in connection.execute(query)}
+
+
+def open_case_of(connection: Connection, room: str) -> str | None:
+    """The id of the room's case that is neither closed nor aborted, if there is one."""
+    events, cases = tables.events, tables.cases
+    last = sa.select(sa.func.max(events.c.sequence)).where(events.c.case_id == cases.c.id).scalar_subquery()
+    query = (
+        sa.select(cases.c.id)
+        .join(events, sa.and_(events.c.case_id == cases.c.id, events.c.sequence == last))
+        .where(cases.c.room == room, events.c.state.not_in(_OVER))
+    )
+    return connection.execute(query).scalar()
+
+
+def read_artefact(connection: Connection, kind: ArtefactKind, artefact_id: str) -> StoredArtefact:
+    """One artefact; ServiceError ARTEFACT_UNKNOWN."""
+    table = tables.metadata.tables[kind]
+    row = connection.execute(sa.select(table).where(table.c.id == artefact_id)).first()
+    if row is None:
+        raise ServiceError(ErrorCode.ARTEFACT_UNKNOWN, f"there is no row {artefact_id} in {kind}")
+    return _artefact(row)
+
+
+def artefacts_of(connection: Connection, kind: ArtefactKind, case_id: str) -> list[StoredArtefact]:
+    """Every artefact of one kind in a case, oldest first."""
+    table = tables.metadata.tables[kind]
+    query = sa.select(table).where(table.c.case_id == case_id).order_by(table.c.sequence)
+    return [_artefact(row) for row in connection.execute(query)]
+
+
+def _insert_event(connection: Connection, case_id: str, event: NewEvent, *, sequence: int, version: int) -> StoredEvent:
+    stored = StoredEvent(
+        case_id=case_id,
+        sequence=sequence,
+        version=version,
+        trigger=event.trigger,
+        user_id=event.user_id,
+        state=event.state,
+        case_state=dict(event.case_state),
+        data=dict(event.data),
+        recorded_at=now_utc(),
+    )
+    connection.execute(sa.insert(tables.events).values({name: getattr(stored, name) for name in _EVENT}))
+    return stored
+
+
+def _insert_artefact(connection: Connection, event: StoredEvent, artefact: NewArtefact) -> None:
+    connection.execute(
+        sa.insert(tables.metadata.tables[artefact.kind]).values(
+            id=artefact.id,
+            case_id=event.case_id,
+            sequence=event.sequence,
+            made_from=list(artefact.made_from),
+            content=dict(artefact.content),
+            recorded_at=event.recorded_at,
+            **artefact.columns,
+        )
+    )
+
+
+def _event(row: sa.Row[Any]) -> StoredEvent:
+    return StoredEvent(**{name: row._mapping[name] for name in _EVENT})
+
+
+def _artefact(row: sa.Row[Any]) -> StoredArtefact:
+    fields = {name: row._mapping[name] for name in _ARTEFACT} | {"made_from": tuple(row.made_from)}
+    return StoredArtefact(**fields, columns={k: v for k, v in row._mapping.items() if k not in _ARTEFACT})
+
+
+def _stale(expected: int, found: int) -> ServiceError:
+    return ServiceError(
+        ErrorCode.VERSION_STALE, "the case has changed since it was read", measured=found, limit=expected
+    )

@@ -1,0 +1,117 @@
+"""Two engines on one database: a writer whose transactions never overlap, and a reader that cannot write.
+
+SQLite under SQLAlchemy loses updates by default: its transactions begin at the first write, after the read that
+decided. Here every write transaction begins with BEGIN IMMEDIATE (SQLite) or an advisory lock (PostgreSQL).
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection, Engine
+from sqlalchemy.exc import DBAPIError, OperationalError
+
+from service.errors import ErrorCode, ServiceError
+
+_BUSY_S = 15.0
+# Any constant will do, as long as every writer of this schema takes the same one.
+_WRITER_LOCK = 0x636F6178
+
+
+@dataclass(slots=True)
+class Database:
+    """The two engines, and who wants to hear of every commit."""
+
+    writer: Engine
+    reader: Engine
+    on_commit: list[Callable[[], None]] = field(default_factory=list)
+
+    @contextmanager
+    def write(self) -> Iterator[Connection]:
+        """One write transaction: committed at the end, rolled back by an exception, never beside another one."""
+        with _typed_faults(), self.writer.begin() as connection:
+            yield connection
+        for listener in self.on_commit:
+            listener()
+
+    @contextmanager
+    def read(self) -> Iterator[Connection]:
+        """One consistent view of the database; a write in it raises."""
+        with _typed_faults(), self.reader.begin() as connection:
+            yield connection
+
+    def close(self) -> None:
+        """Close every connection of both engines."""
+        self.writer.dispose()
+        self.reader.dispose()
+
+
+def open_database(url: str) -> Database:
+    """Engines for `url`; the schema is the migrations' affair. Raises ServiceError where a PRAGMA does not hold."""
+    address = sa.make_url(url)
+    if address.get_backend_name() == "sqlite":
+        database = Database(_sqlite_engine(address, writes=True), _sqlite_engine(address, writes=False))
+    else:
+        address = address.set(drivername="postgresql+psycopg")
+        database = Database(_postgresql_engine(address, writes=True), _postgresql_engine(address, writes=False))
+    with _typed_faults(), database.writer.connect():
+        return database
+
+
+def _sqlite_engine(address: sa.URL, *, writes: bool) -> Engine:
+    engine = sa.create_engine(address, connect_args={"timeout": _BUSY_S, "check_same_thread": False})
+
+    @sa.event.listens_for(engine, "connect")
+    def prepare(dbapi: Any, _record: Any) -> None:
+        dbapi.isolation_level = None  # the driver begins nothing by itself
+        _assert_pragma(dbapi, "journal_mode", "WAL", "wal")
+        _assert_pragma(dbapi, "synchronous", "FULL", 2)  # H25: WAL at NORMAL lost commits in two thirds of power cuts
+        _assert_pragma(dbapi, "foreign_keys", "ON", 1)
+        if not writes:
+            _assert_pragma(dbapi, "query_only", "ON", 1)
+
+    @sa.event.listens_for(engine, "begin")
+    def begin(connection: Connection) -> None:
+        connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN DEFERRED")
+
+    return engine
+
+
+def _assert_pragma(dbapi: Any, name: str, value: str, expected: object) -> None:
+    dbapi.execute(f"PRAGMA {name}={value}")
+    found = dbapi.execute(f"PRAGMA {name}").fetchone()[0]
+    if found != expected:
+        raise ServiceError(ErrorCode.DATABASE_FAULT, f"SQLite keeps {name} at {found} instead of {value}")
+
+
+def _postgresql_engine(address: sa.URL, *, writes: bool) -> Engine:
+    options = {} if writes else {"postgresql_readonly": True}
+    engine = sa.create_engine(address, isolation_level="READ COMMITTED" if writes else "REPEATABLE READ")
+    engine = engine.execution_options(**options)
+    if writes:
+
+        @sa.event.listens_for(engine, "begin")
+        def begin(connection: Connection) -> None:
+            connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_WRITER_LOCK})")
+
+    return engine
+
+
+@contextmanager
+def _typed_faults() -> Iterator[None]:
+    """Lock waits, full disks and I/O errors as ServiceError; broken constraints stay what they are."""
+    try:
+        yield
+    except OperationalError as error:
+        raise _fault(error) from error
+
+
+def _fault(error: DBAPIError) -> ServiceError:
+    text = str(error.orig)
+    if "locked" in text or "busy" in text:
+        return ServiceError(ErrorCode.DATABASE_BUSY, "another writer held the database too long", limit=_BUSY_S)
+    if "full" in text or "No space" in text:
+        return ServiceError(ErrorCode.DISK_FULL, "the disk is full")
+    return ServiceError(ErrorCode.DATABASE_FAULT, f"the database cannot be used ({type(error.orig).__name__})")

@@ -1,0 +1,260 @@
+"""The tables. Records are only ever added to; triggers in the database refuse UPDATE and DELETE on them.
+
+Times are UTC text of one fixed form, so that they sort and hash alike on every database; order comes from sequence
+numbers, never from times (H23).
+"""
+
+import sqlalchemy as sa
+from sqlalchemy import JSON, BigInteger, Boolean, Column, Float, ForeignKey, Integer, LargeBinary, String, Table
+
+metadata = sa.MetaData(
+    naming_convention={
+        "pk": "pk_%(table_name)s",
+        "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_N_name)s",
+        "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+    }
+)
+
+# SQLite numbers rows by itself only in an INTEGER primary key.
+_RowNumber = BigInteger().with_variant(Integer, "sqlite")
+
+
+def _id() -> Column[str]:
+    return Column("id", String, primary_key=True)
+
+
+def _row_number() -> Column[int]:
+    return Column("id", _RowNumber, primary_key=True, autoincrement=True)
+
+
+def _at(name: str = "recorded_at", *, nullable: bool = False) -> Column[str]:
+    return Column(name, String(32), nullable=nullable)
+
+
+def _case(*, nullable: bool = False) -> Column[str]:
+    return Column("case_id", ForeignKey("cases.id"), nullable=nullable, index=True)
+
+
+def _artefact(name: str, *extra: sa.schema.SchemaItem) -> Table:
+    """A table of artefacts: each names the event that made it and the artefacts it was made from."""
+    return Table(
+        name,
+        metadata,
+        _id(),
+        Column("case_id", String, nullable=False),
+        Column("sequence", Integer, nullable=False),
+        Column("made_from", JSON, nullable=False),
+        Column("content", JSON, nullable=False),
+        _at(),
+        *extra,
+        sa.ForeignKeyConstraint(["case_id", "sequence"], ["events.case_id", "events.sequence"]),
+    )
+
+
+# --- mutable ---------------------------------------------------------------------------------------------------------
+users = Table(
+    "users",
+    metadata,
+    _id(),
+    Column("name", String(64), nullable=False, unique=True),
+    Column("role", String(16), nullable=False),
+    Column("password_hash", String, nullable=False),
+    Column("pin_hash", String, nullable=False),
+    _at("created_at"),
+    _at("disabled_at", nullable=True),
+)
+sessions = Table(
+    "sessions",
+    metadata,
+    _id(),
+    Column("token_sha256", String(64), nullable=False, unique=True),
+    Column("user_id", ForeignKey("users.id"), nullable=False),
+    _at("created_at"),
+    Column("expires_at_s", Float, nullable=False),
+    Column("last_seen_at_s", Float, nullable=False),
+    _at("locked_at", nullable=True),
+    _at("revoked_at", nullable=True),
+)
+lock_outs = Table(
+    "lock_outs",
+    metadata,
+    Column("subject", String, primary_key=True),
+    Column("until_s", Float, nullable=False),
+)
+leases = Table(
+    "leases",
+    metadata,
+    Column("case_id", ForeignKey("cases.id"), primary_key=True),
+    Column("fencing_token", Integer, nullable=False),
+    Column("session_id", ForeignKey("sessions.id"), nullable=False),
+    Column("user_id", ForeignKey("users.id"), nullable=False),
+    Column("reason", String, nullable=False),
+    _at("taken_at"),
+)
+room_claims = Table(
+    "room_claims",
+    metadata,
+    Column("room", String(64), primary_key=True),
+    Column("holder", String, nullable=False),
+    _at("claimed_at"),
+)
+idempotency_keys = Table(
+    "idempotency_keys",
+    metadata,
+    Column("user_id", String, primary_key=True),
+    Column("key", String(128), primary_key=True),
+    Column("request_sha256", String(64), nullable=False),
+    Column("status", Integer, nullable=False),
+    Column("body", JSON, nullable=False),
+    Column("version", Integer),
+    _at("created_at"),
+)
+
+# --- records ---------------------------------------------------------------------------------------------------------
+cases = Table(
+    "cases",
+    metadata,
+    _id(),
+    Column("room", String(64), nullable=False),
+    Column("patient_id", String, nullable=False),
+    Column("study_uid", String, nullable=False),
+    Column("opened_by", ForeignKey("users.id"), nullable=False),
+    Column("product_version", String, nullable=False),
+    Column("settings_sha256", String(64), nullable=False),
+    Column("devices", JSON, nullable=False),
+    _at("opened_at"),
+)
+planned_targets = Table(
+    "planned_targets",
+    metadata,
+    Column("case_id", ForeignKey("cases.id"), primary_key=True),
+    Column("name", String, primary_key=True),
+    Column("content", JSON, nullable=False),
+)
+events = Table(
+    "events",
+    metadata,
+    Column("case_id", ForeignKey("cases.id"), primary_key=True),
+    Column("sequence", Integer, primary_key=True),
+    Column("version", Integer, nullable=False),
+    Column("trigger", String, nullable=False),
+    Column("user_id", ForeignKey("users.id")),
+    Column("state", String, nullable=False),
+    Column("case_state", JSON, nullable=False),
+    Column("data", JSON, nullable=False),
+    _at(),
+)
+audit_events = Table(
+    "audit_events",
+    metadata,
+    _row_number(),
+    Column("kind", String, nullable=False),
+    Column("user_id", String),
+    Column("data", JSON, nullable=False),
+    _at(),
+)
+attempts = Table(
+    "attempts",
+    metadata,
+    _row_number(),
+    _case(nullable=True),
+    Column("user_id", String),
+    Column("trigger", String, nullable=False),
+    Column("accepted", Boolean, nullable=False),
+    Column("code", String, nullable=False),
+    Column("message", String, nullable=False),
+    Column("state", String),
+    _at(),
+)
+verdicts = Table(
+    "verdicts",
+    metadata,
+    _row_number(),
+    Column("attempt_id", ForeignKey("attempts.id"), nullable=False, index=True),
+    Column("code", String, nullable=False),
+    Column("hazard", String, nullable=False),
+    Column("passed", Boolean, nullable=False),
+    Column("measured", JSON),
+    Column("limit", JSON),
+    Column("unit", String, nullable=False),
+    Column("message", String, nullable=False),
+)
+device_files = Table(
+    "device_files",
+    metadata,
+    _id(),
+    Column("kind", String(8), nullable=False),
+    Column("name", String, nullable=False),
+    Column("version", String, nullable=False),
+    Column("sha256", String(64), nullable=False),
+    Column("expires", String(10)),
+    Column("content", LargeBinary, nullable=False),
+    Column("uploaded_by", ForeignKey("users.id"), nullable=False),
+    Column("position", Integer, nullable=False, unique=True),
+    _at("uploaded_at"),
+    sa.UniqueConstraint("kind", "name", "version"),
+)
+image_bytes = Table(
+    "image_bytes",
+    metadata,
+    Column("sha256", String(64), primary_key=True),
+    Column("content", LargeBinary, nullable=False),
+)
+images = Table(
+    "images",
+    metadata,
+    _id(),
+    Column("position", Integer, nullable=False, unique=True),
+    Column("sha256", ForeignKey("image_bytes.sha256"), nullable=False, index=True),
+    Column("sop_uid", String, index=True),
+    Column("pixel_sha256", String(64), index=True),
+    Column("duplicate_of", ForeignKey("images.id")),
+    Column("patient_id", String),
+    Column("study_uid", String),
+    Column("problem", JSON),
+    Column("source", JSON, nullable=False),
+    Column("metadata", JSON, nullable=False),
+    _at("received_at"),
+)
+image_purposes = Table(
+    "image_purposes",
+    metadata,
+    Column("image_id", ForeignKey("images.id"), primary_key=True),
+    _case(nullable=True),
+    Column("purpose", String, nullable=False),
+    Column("arm", JSON, nullable=False),
+    Column("verdicts", JSON, nullable=False),
+    _at(),
+)
+registrations = _artefact("registrations", Column("image_id", ForeignKey("images.id"), nullable=False))
+targets = _artefact("targets")
+plans = _artefact("plans")
+permits = _artefact("permits", Column("approved_by", ForeignKey("users.id"), nullable=False))
+# A permit is single use: its use has the permit's own id as primary key.
+permit_uses = _artefact("permit_uses", sa.ForeignKeyConstraint(["id"], ["permits.id"]))
+motions = _artefact("motions", Column("trajectory", LargeBinary))
+evaluations = _artefact("evaluations", Column("image_id", ForeignKey("images.id"), nullable=False))
+insertions = _artefact("insertions")
+
+RECORDS: tuple[Table, ...] = (
+    cases,
+    planned_targets,
+    events,
+    audit_events,
+    attempts,
+    verdicts,
+    device_files,
+    image_bytes,
+    images,
+    image_purposes,
+    registrations,
+    targets,
+    plans,
+    permits,
+    permit_uses,
+    motions,
+    evaluations,
+    insertions,
+)
+MUTABLE: tuple[Table, ...] = (users, sessions, lock_outs, leases, room_claims, idempotency_keys)

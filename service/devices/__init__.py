@@ -1,0 +1,1 @@
+"""Versioned device files: guide, C-arm, tool."""

@@ -1,0 +1,171 @@
+"""Every error that a caller can meet: stable code, HTTP status, what to do. No other module knows a status."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Protocol
+
+
+class ErrorCode(StrEnum):
+    """Codes of the service itself; `vision`, `workflow` and `robot` have their own."""
+
+    MALFORMED_REQUEST = "malformed_request"
+    UNKNOWN_PATH = "unknown_path"
+    METHOD_NOT_ALLOWED = "method_not_allowed"
+    REQUEST_REFUSED = "request_refused"
+    BODY_TOO_LARGE = "body_too_large"
+    INTERNAL_FAULT = "internal_fault"
+    SETTINGS_REFUSED = "settings_refused"
+    NOT_SIGNED_IN = "not_signed_in"
+    SIGN_IN_REFUSED = "sign_in_refused"
+    SESSION_EXPIRED = "session_expired"
+    SESSION_LOCKED = "session_locked"
+    LOCKED_OUT = "locked_out"
+    PERMISSION_MISSING = "permission_missing"
+    PIN_REFUSED = "pin_refused"
+    ORIGIN_REFUSED = "origin_refused"
+    USER_EXISTS = "user_exists"
+    USER_REFUSED = "user_refused"
+    USER_UNKNOWN = "user_unknown"
+    LEASE_MISSING = "lease_missing"
+    LEASE_LOST = "lease_lost"
+    CASE_UNKNOWN = "case_unknown"
+    CASE_OPEN = "case_open"
+    ARTEFACT_UNKNOWN = "artefact_unknown"
+    VERSION_MISSING = "version_missing"
+    VERSION_STALE = "version_stale"
+    IDEMPOTENCY_KEY_MISSING = "idempotency_key_missing"
+    IDEMPOTENCY_KEY_REUSED = "idempotency_key_reused"
+    IMAGE_UNKNOWN = "image_unknown"
+    IMAGE_BYTES_TOO_LARGE = "image_bytes_too_large"
+    IMAGE_TRUNCATED = "image_truncated"
+    IMAGE_TOO_SMALL = "image_too_small"
+    NOT_AN_IMAGE = "not_an_image"
+    DEVICE_UNKNOWN = "device_unknown"
+    DEVICE_REFUSED = "device_refused"
+    DEVICE_VERSION_TAKEN = "device_version_taken"
+    DEVICE_EXPIRED = "device_expired"
+    DISK_FULL = "disk_full"
+    DATABASE_FAULT = "database_fault"
+    DATABASE_BUSY = "database_busy"
+    ROOM_CLAIMED = "room_claimed"
+    VISION_DEADLINE = "vision_deadline"
+    VISION_CRASHED = "vision_crashed"
+    VISION_OUT_OF_MEMORY = "vision_out_of_memory"
+
+
+class ServiceError(Exception):
+    """A typed no that reaches the caller as problem+json."""
+
+    def __init__(
+        self,
+        code: str,
+        message: str,
+        *,
+        measured: float | str | bool | None = None,
+        limit: float | str | bool | None = None,
+        leads_onwards: Sequence[str] = (),
+        verdicts: Sequence[Mapping[str, Any]] = (),
+    ) -> None:
+        super().__init__(f"{code}: {message}")
+        self.code = str(code)
+        self.message = message
+        self.measured = measured
+        self.limit = limit
+        self.leads_onwards = tuple(leads_onwards)
+        self.verdicts = tuple(dict(verdict) for verdict in verdicts)
+
+
+class AnyRefusal(Protocol):
+    """What the refusals of `vision`, `workflow` and `robot` have in common."""
+
+    @property
+    def code(self) -> StrEnum: ...
+    @property
+    def message(self) -> str: ...
+
+
+def refused(refusal: AnyRefusal) -> ServiceError:
+    """A refusal of another package as the error that the caller sees, with whatever it measured."""
+    return ServiceError(
+        refusal.code,
+        refusal.message,
+        measured=getattr(refusal, "measured", None),
+        limit=getattr(refusal, "limit", None),
+        leads_onwards=[str(trigger) for trigger in getattr(refusal, "leads_onwards", ())],
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """How one code is answered: HTTP status and the sentence that tells the caller what to do."""
+
+    status: int
+    what_to_do: str
+
+
+ANSWERS: dict[str, Answer] = {
+    ErrorCode.MALFORMED_REQUEST: Answer(422, "Correct the fields that the answer names, then send the request again."),
+    ErrorCode.UNKNOWN_PATH: Answer(404, "Check the address against the interface description at /api/openapi.json."),
+    ErrorCode.METHOD_NOT_ALLOWED: Answer(405, "Use one of the methods that the Allow header names."),
+    ErrorCode.REQUEST_REFUSED: Answer(400, "Check the request against the interface description."),
+    ErrorCode.BODY_TOO_LARGE: Answer(413, "Send less; the limit is in the answer."),
+    ErrorCode.INTERNAL_FAULT: Answer(500, "Look at the case before repeating; report the incident number."),
+    ErrorCode.SETTINGS_REFUSED: Answer(500, "Correct the settings file or the environment variable, then start again."),
+    ErrorCode.NOT_SIGNED_IN: Answer(401, "Sign in."),
+    ErrorCode.SIGN_IN_REFUSED: Answer(401, "Check name and password."),
+    ErrorCode.SESSION_EXPIRED: Answer(401, "Sign in again; stop still works."),
+    ErrorCode.SESSION_LOCKED: Answer(401, "Unlock with the PIN; stop still works."),
+    ErrorCode.LOCKED_OUT: Answer(429, "Wait until the time in the answer has passed, or ask an engineer."),
+    ErrorCode.PERMISSION_MISSING: Answer(403, "Ask someone whose role has this permission."),
+    ErrorCode.PIN_REFUSED: Answer(403, "Enter the PIN again."),
+    ErrorCode.ORIGIN_REFUSED: Answer(403, "Open the page from the service itself, or name its origin in the settings."),
+    ErrorCode.USER_EXISTS: Answer(409, "Choose another name."),
+    ErrorCode.USER_REFUSED: Answer(422, "Choose a name, password or PIN that meets the rule."),
+    ErrorCode.USER_UNKNOWN: Answer(404, "Check the name."),
+    ErrorCode.LEASE_MISSING: Answer(409, "Take the control lease first, with a reason."),
+    ErrorCode.LEASE_LOST: Answer(409, "Somebody else has taken control; take it back only after talking to them."),
+    ErrorCode.CASE_UNKNOWN: Answer(404, "Choose a case from the list."),
+    ErrorCode.CASE_OPEN: Answer(409, "Close or abort the open case of this room first."),
+    ErrorCode.ARTEFACT_UNKNOWN: Answer(404, "Read the case again; its chain names what exists."),
+    ErrorCode.VERSION_MISSING: Answer(428, "Send If-Match with the version that the decision was made on."),
+    ErrorCode.VERSION_STALE: Answer(412, "Read the case again, look at what changed, then decide anew."),
+    ErrorCode.IDEMPOTENCY_KEY_MISSING: Answer(400, "Send an Idempotency-Key that is new for every intent."),
+    ErrorCode.IDEMPOTENCY_KEY_REUSED: Answer(422, "Use a new Idempotency-Key for a different request."),
+    ErrorCode.IMAGE_UNKNOWN: Answer(404, "Choose an image from the list."),
+    ErrorCode.IMAGE_BYTES_TOO_LARGE: Answer(413, "Send a single frame below the limit in the answer."),
+    ErrorCode.IMAGE_TRUNCATED: Answer(422, "Send the image again from the C-arm."),
+    ErrorCode.IMAGE_TOO_SMALL: Answer(422, "Send the full image, not a thumbnail."),
+    ErrorCode.NOT_AN_IMAGE: Answer(422, "Send an X-ray image with pixel data."),
+    ErrorCode.DEVICE_UNKNOWN: Answer(404, "Upload the device file first."),
+    ErrorCode.DEVICE_REFUSED: Answer(422, "Correct the line that the message names; check its unit."),
+    ErrorCode.DEVICE_VERSION_TAKEN: Answer(409, "Raise the version in the file; a stored version is never replaced."),
+    ErrorCode.DEVICE_EXPIRED: Answer(409, "Calibrate the device and upload its new file."),
+    ErrorCode.DISK_FULL: Answer(507, "Free space on the data folder's disk; stop still works."),
+    ErrorCode.DATABASE_FAULT: Answer(503, "Check the disk and the database; nothing was changed. Stop still works."),
+    ErrorCode.DATABASE_BUSY: Answer(503, "Try again in a moment; nothing was changed."),
+    ErrorCode.ROOM_CLAIMED: Answer(409, "Stop the other service of this room, or give this one a room of its own."),
+    ErrorCode.VISION_DEADLINE: Answer(503, "Try again; if it repeats, take a new image."),
+    ErrorCode.VISION_CRASHED: Answer(503, "Try again; the image worker was restarted."),
+    ErrorCode.VISION_OUT_OF_MEMORY: Answer(503, "Take a smaller image, or raise the memory limit in the settings."),
+}
+
+
+def answer_for(code: str) -> Answer:
+    """How `code` is answered; an unlisted code is a defect that a test finds, and answers as an internal fault."""
+    return ANSWERS.get(code, ANSWERS[ErrorCode.INTERNAL_FAULT])
+
+
+def code_for_status(status: int) -> ErrorCode:
+    """The code for an error that the web framework raised by itself, known only by its status."""
+    match status:
+        case 404:
+            return ErrorCode.UNKNOWN_PATH
+        case 405:
+            return ErrorCode.METHOD_NOT_ALLOWED
+        case 413:
+            return ErrorCode.BODY_TOO_LARGE
+        case status if status < 500:
+            return ErrorCode.REQUEST_REFUSED
+        case _:
+            return ErrorCode.INTERNAL_FAULT

@@ -1,0 +1,1 @@
+"""Images: receiving, keeping and handing out the original bytes."""

@@ -1,0 +1,37 @@
+"""What one room's service consists of; routes get it by `Depends(parts_of)`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from starlette.requests import HTTPConnection
+
+if TYPE_CHECKING:  # the parts know nothing of one another, and this module nothing of their insides
+    from service.auth.sessions import SessionStore
+    from service.auth.users import UserStore
+    from service.cases.feed import EventFeed
+    from service.database.engines import Database
+    from service.images.arrivals import ImageArrivals
+    from service.settings import Settings
+    from service.vision_worker import VisionWorker
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """Every long-lived part, made once at start."""
+
+    settings: Settings
+    database: Database
+    users: UserStore
+    sessions: SessionStore
+    feed: EventFeed
+    arrivals: ImageArrivals
+    vision: VisionWorker
+    dicom_port: int = field(default=0)
+
+
+def parts_of(connection: HTTPConnection) -> Parts:
+    """The parts of the service that this request came to."""
+    parts: Parts = connection.app.state.parts
+    return parts

@@ -1,0 +1,134 @@
+"""Settings of one room's service: defaults, then a TOML file, then COAXIAL_ environment variables.
+
+Later ones win.
+"""
+
+import hashlib
+import os
+from pathlib import Path
+from typing import Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_settings import BaseSettings, PydanticBaseSettingsSource, SettingsConfigDict, TomlConfigSettingsSource
+
+from service.errors import ErrorCode, ServiceError
+
+
+def _data_folder() -> Path:
+    base = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return Path(base) / "coaxial"
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class HttpSettings(_Section):
+    """Where the tablet connects. Other `origins` than the service's own must be named (H27)."""
+
+    host: str = "127.0.0.1"
+    port: int = Field(default=8700, ge=0, le=65535)
+    origins: tuple[str, ...] = ()
+    secure_cookie: bool = False  # True behind TLS; a browser drops a secure cookie on plain loopback HTTP
+    max_body_bytes: int = Field(default=4_000_000, gt=0)
+    shutdown_grace_s: int = Field(default=3, ge=0)
+
+
+class DicomSettings(_Section):
+    """The receiver of X-ray images; no accepted caller named means that every calling AE is accepted."""
+
+    host: str = "127.0.0.1"
+    port: int = Field(default=11112, ge=0, le=65535)
+    ae_title: str = Field(default="COAXIAL", min_length=1, max_length=16)
+    accepted_callers: tuple[str, ...] = ()
+    max_image_bytes: int = Field(default=64_000_000, gt=0)
+    max_pixels: int = Field(default=16_000_000, gt=0)
+    min_side_px: int = Field(default=64, gt=0)
+
+
+class SessionSettings(_Section):
+    """How long a sign-in lasts, when it locks, and how many wrong answers are borne."""
+
+    lifetime_s: float = Field(default=12 * 3600.0, gt=0)
+    idle_lock_s: float = Field(default=15 * 60.0, gt=0)
+    wrong_answers: int = Field(default=5, gt=0)
+    wrong_answers_window_s: int = Field(default=300, gt=0)
+    lock_out_s: float = Field(default=300.0, gt=0)
+
+
+class VisionSettings(_Section):
+    """Bounds of one piece of image work."""
+
+    deadline_s: float = Field(default=20.0, gt=0)
+    start_deadline_s: float = Field(default=60.0, gt=0)
+    memory_bytes: int = Field(default=3_000_000_000, gt=0)
+
+
+class ProcedureLimits(_Section):
+    """The limits of the procedure; degrees and mm are 95 % bounds (error + its uncertainty)."""
+
+    angle_error_deg: float = Field(default=1.0, gt=0, le=5)
+    position_error_mm: float = Field(default=1.5, gt=0, le=5)
+    image_age_s: float = Field(default=1800.0, gt=0)
+    exposure_window_s: float = Field(default=120.0, gt=0)
+    permit_s: float = Field(default=30.0, gt=0, le=300)
+    depth_mm: float = Field(default=80.0, gt=0, le=300)
+
+
+class Settings(BaseSettings):
+    """Everything a site can set. Unknown keys are refused: a misspelt limit must not fall back to its default."""
+
+    model_config = SettingsConfigDict(env_prefix="COAXIAL_", env_nested_delimiter="__", extra="forbid", frozen=True)
+
+    room: str = Field(default="room-1", min_length=1, max_length=64)
+    data_folder: Path = Field(default_factory=_data_folder)
+    database_url: str = ""  # empty: SQLite in the data folder
+    arm_address: str | None = None  # None: a service without an arm
+    min_free_bytes: int = Field(default=500_000_000, ge=0)
+    http: HttpSettings = HttpSettings()
+    dicom: DicomSettings = DicomSettings()
+    session: SessionSettings = SessionSettings()
+    vision: VisionSettings = VisionSettings()
+    limits: ProcedureLimits = ProcedureLimits()
+
+    @model_validator(mode="after")
+    def _default_database(self) -> Self:
+        if not self.database_url:
+            object.__setattr__(self, "database_url", f"sqlite:///{self.data_folder / 'coaxial.sqlite'}")
+        return self
+
+    @classmethod
+    def settings_customise_sources(
+        cls,
+        settings_cls: type[BaseSettings],
+        init_settings: PydanticBaseSettingsSource,
+        env_settings: PydanticBaseSettingsSource,
+        dotenv_settings: PydanticBaseSettingsSource,
+        file_secret_settings: PydanticBaseSettingsSource,
+    ) -> tuple[PydanticBaseSettingsSource, ...]:
+        """Arguments, then environment, then the TOML file; no .env file and no secrets folder."""
+        del dotenv_settings, file_secret_settings
+        return init_settings, env_settings, TomlConfigSettingsSource(settings_cls)
+
+    def fingerprint(self) -> str:
+        """SHA-256 of what decides during a case (H30); addresses, folders and session lengths do not."""
+        decisive = self.model_dump_json(include={"room", "arm_address", "dicom", "vision", "limits"})
+        return hashlib.sha256(decisive.encode()).hexdigest()
+
+
+def load_settings(file: Path | None = None) -> Settings:
+    """Settings from `file` and the environment; raises ServiceError naming the key that is wrong."""
+    if file is not None and not file.is_file():
+        raise ServiceError(ErrorCode.SETTINGS_REFUSED, f"settings file {file} does not exist")
+
+    class FileSettings(Settings):
+        model_config = SettingsConfigDict(toml_file=file)
+
+    try:
+        return FileSettings()
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise ServiceError(ErrorCode.SETTINGS_REFUSED, f"setting {key or file}: {first['msg']}") from error
+    except ValueError as error:  # the file is not TOML, or an environment variable is not JSON
+        raise ServiceError(ErrorCode.SETTINGS_REFUSED, f"settings cannot be read: {error}") from error

@@ -1,0 +1,5 @@
+"""The version of the installed product, as records name it."""
+
+from importlib.metadata import version
+
+PRODUCT_VERSION = version("coaxial")
