@@ -227,7 +227,7 @@ def _vanishing_x(line: Array, start_px: Array, end_px: Array, centres: RingCentr
     """Vanishing point (3,) of guide x, signed so that x - x_3 * point leads towards guide +x at every image point."""
     point = np.cross(line, centres.vanishing_line)
     point /= np.linalg.norm(point)
-    return np.copysign(1.0, (point[:2] - point[2] * start_px) @ (end_px - start_px)) * point
+    return np.asarray(np.copysign(1.0, (point[:2] - point[2] * start_px) @ (end_px - start_px)) * point)
 
 
 def _ring_fiducials(name: str, conic: Array, centre: Array, vanishing_x: Array) -> dict[str, Array]:

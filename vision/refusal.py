@@ -27,7 +27,7 @@ class RefusalCode(StrEnum):
     TARGET_NOT_FINITE = "target_not_finite"
     TARGET_OUTSIDE_IMAGE = "target_outside_image"
     TARGET_NOT_REACHABLE = "target_not_reachable"
-    PATH_TOO_SHORT = "path_too_short"
+    PATH_IMPLAUSIBLE = "path_implausible"
 
 
 @dataclass(frozen=True, slots=True)

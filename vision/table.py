@@ -1,6 +1,5 @@
 """A table of values from outside (TOML or JSON) that knows where it stands, so that every complaint names the field."""
 
-import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _MAX_TEXT_LENGTH = 200
+_GREATEST_MAGNITUDE = 1e12  # of any number from outside; far above every quantity here, far below overflow
 _MAX_TOML_BYTES = 64 * 1024
 
 
@@ -86,7 +86,6 @@ def _flatten(value: Any, shape: tuple[int, ...], where: str) -> list[float]:
 def _number(value: Any, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{where} must be a number")
-    # a whole number too large for a float has no finite counterpart
-    if (isinstance(value, int) and abs(value) > 1e300) or not math.isfinite(value):
-        raise ValueError(f"{where} must be a finite number")
+    if not abs(value) <= _GREATEST_MAGNITUDE:
+        raise ValueError(f"{where} must be a finite number of magnitude up to {_GREATEST_MAGNITUDE:g}")
     return float(value)

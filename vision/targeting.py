@@ -1,14 +1,27 @@
 """Where the guide must go so that its axis holds the X-ray source and the target: eq. (2) to (7)."""
 
 from dataclasses import dataclass
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.refusal import Refusal
+from vision.alignment import check_depth, goal, ray_in_source
+from vision.devices import DetectorKind
+from vision.projection import View
+from vision.refusal import Refusal, RefusalCode
 from vision.registered import DEFAULT_DEPTH_MM, PixelSpace, PredictedError, Registration
+from vision.uncertainty import predicted_error
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PickedPixel:
+    """One pixel (2,) in both grids of its image."""
+
+    raw: Array
+    corrected: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,5 +51,79 @@ class Targeting:
 def target(
     registration: Registration, pixel: tuple[float, float], space: PixelSpace, depth_mm: float = DEFAULT_DEPTH_MM
 ) -> Targeting | Refusal:
-    """The motion that brings the guide's axis onto the ray of `pixel`, picked in `space`."""
-    raise NotImplementedError
+    """The motion that brings the guide's axis onto the ray of a pixel.
+
+    Parameters
+    ----------
+    registration : Registration
+        Of the image in which the pixel was picked.
+    pixel : tuple
+        (u, v) in `space`.
+    space : PixelSpace
+        Raw or corrected grid of that image.
+    depth_mm : float
+        Depth of the target below the big ring, for the bounds; the motion does not depend on it.
+
+    Returns
+    -------
+    Targeting or Refusal
+        `target_not_finite`, `target_outside_image`, or `target_not_reachable`.
+    """
+    picked = locate(registration, pixel, space)
+    if isinstance(picked, Refusal):
+        return picked
+    view, guide = registration.view(), registration.guide
+    refused = check_depth(view, guide, depth_mm) or _check_in_front(view, picked.corrected)
+    if refused:
+        return refused
+    guide_from_goal, rotation_vector = goal(view, picked.corrected)
+    rotation_rad = float(np.linalg.norm(rotation_vector))
+    return Targeting(
+        target_raw_px=picked.raw,
+        target_corrected_px=picked.corrected,
+        depth_mm=depth_mm,
+        guide_from_goal=guide_from_goal,
+        translation_mm=guide_from_goal[:3, 3].copy(),
+        rotation_axis=rotation_vector / rotation_rad if rotation_rad > 0.0 else np.array([1.0, 0.0, 0.0]),
+        rotation_rad=rotation_rad,
+        predicted_error_95=predicted_error(view, registration.covariance, guide, picked.corrected, depth_mm),
+    )
+
+
+def locate(registration: Registration, pixel: tuple[float, float], space: PixelSpace) -> PickedPixel | Refusal:
+    """A pixel picked in `space` in both grids of the registration's image, if it lies in the image (H08)."""
+    picked = np.array([pixel], dtype=np.float64)
+    if not np.isfinite(picked).all():
+        return Refusal(RefusalCode.TARGET_NOT_FINITE, "the target pixel is no pair of numbers")
+    match space:
+        case PixelSpace.RAW:
+            outside = _check_inside(registration, picked[0])
+            return outside or PickedPixel(picked[0], registration.distortion.corrected_from_raw(picked)[0])
+        case PixelSpace.CORRECTED:
+            raw = registration.distortion.raw_from_corrected(picked)[0]
+            return _check_inside(registration, raw) or PickedPixel(raw, picked[0])
+        case _:
+            assert_never(space)
+
+
+def _check_inside(registration: Registration, raw: Array) -> Refusal | None:
+    """A refusal unless the raw pixel lies in the image and, on an intensifier, in its round field."""
+    rows, columns = registration.image.rows, registration.image.columns
+    half = np.array([columns, rows]) / 2.0
+    from_centre = np.abs(raw - (half - 0.5))
+    beyond = float((from_centre - half).max())
+    if registration.carm.detector is DetectorKind.INTENSIFIER:
+        beyond = max(beyond, float(np.linalg.norm(from_centre) - half.max()))
+    if beyond <= 0.0:
+        return None
+    message = "the target lies outside the image, by px"
+    return Refusal(RefusalCode.TARGET_OUTSIDE_IMAGE, message, beyond, 0.0)
+
+
+def _check_in_front(view: View, pixel_corrected: Array) -> Refusal | None:
+    """A refusal where the guide points against the ray: the minimal rotation would have no axis."""
+    cosine = float(view.source_from_guide[:3, 2] @ ray_in_source(view.intrinsics, pixel_corrected))
+    if cosine > 0.0:
+        return None
+    message = "the guide's axis points against the target ray, cosine"
+    return Refusal(RefusalCode.TARGET_NOT_REACHABLE, message, cosine, 0.0)

@@ -1,19 +1,32 @@
-"""95 % bounds of the targeting error: the covariance of the fit carried through (2) to (7)."""
+"""95 % bounds of the alignment error: the covariance of the fit carried through (2) to (7), and the bore's tolerance.
+
+Intrinsics and pose are strongly correlated, yet the aim barely depends on what they trade; so only the covariance of
+the aim is worth reporting.
+"""
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
 
+from vision.alignment import angle_vector, goal, position_vector, ray_in_source, target_in_source
 from vision.devices import Guide
-from vision.projection import View
+from vision.projection import Intrinsics, View
 from vision.registered import DEFAULT_DEPTH_MM, PredictedError
 
 Array = NDArray[np.float64]
+
+_CONFIDENCE = 0.95
+# Steps of the central differences: alpha_x, alpha_y, u0, v0 in px, rotation in rad, translation in mm.
+_STEPS = np.array([1e-2] * 4 + [1e-5] * 3 + [1e-3] * 3)
 
 
 def predicted_error(
     view: View, covariance: Array, guide: Guide, pixel_corrected: Array, depth_mm: float = DEFAULT_DEPTH_MM
 ) -> PredictedError:
-    """Bounds for a target at `pixel_corrected` (2,), `depth_mm` below the big ring.
+    """Bounds for a guide that moves to the goal computed from `view`.
 
     Parameters
     ----------
@@ -21,5 +34,96 @@ def predicted_error(
         The estimate.
     covariance : Array
         (10, 10), parametrised as in `Registration.covariance`.
+    guide : Guide
+        Separation and bore tolerance, mm.
+    pixel_corrected : Array
+        (2,), corrected pixel of the target.
+    depth_mm : float
+        Depth of the target below the big ring.
+
+    Returns
+    -------
+    PredictedError
+        Angle between the guide's axis and the true target ray, distance of the true target from the axis.
     """
-    raise NotImplementedError
+    guide_from_goal, _ = goal(view, pixel_corrected)
+    return alignment_bounds(view, covariance, guide, pixel_corrected, depth_mm, guide_from_goal)
+
+
+def alignment_bounds(
+    view: View, covariance: Array, guide: Guide, pixel_corrected: Array, depth_mm: float, guide_from_axis: Array
+) -> PredictedError:
+    """Bounds of the error of an axis at `guide_from_axis` (4, 4), against what `view` says of it.
+
+    The arguments are those of `predicted_error`; the identity for `guide_from_axis` is the guide where it was seen.
+    """
+    jacobian = _jacobian(view, guide, pixel_corrected, depth_mm, guide_from_axis)
+    spread = jacobian @ covariance @ jacobian.T
+    axis = view.source_from_guide[:3, :3] @ guide_from_axis[:3, 2]
+    across = np.eye(3) - np.outer(axis, axis)
+    # the bore's offset at the big ring against the small one tilts it about the small ring's centre
+    tilt_sd_rad = guide.tolerance.bore_concentricity_sd_mm / guide.separation_mm
+    offset_sd_mm = tilt_sd_rad * (guide.separation_mm + depth_mm)
+    return PredictedError(
+        angle_rad=radius_95(spread[:3, :3] + tilt_sd_rad**2 * across),
+        position_mm=radius_95(spread[3:, 3:] + offset_sd_mm**2 * across),
+        depth_mm=depth_mm,
+    )
+
+
+def radius_95(covariance: Array) -> float:
+    """Radius that holds 95 % of a plane Gaussian with this covariance, (2, 2) or (3, 3) of rank 2.
+
+    Notes
+    -----
+    c sqrt(trace C). P(radius < r) is a mean over directions of 1 - exp(-r^2 / 2 s^2), s the spread along a direction;
+    c is 1.73 for a round ellipse and 1.96 for one as thin as a line.
+    """
+    thin, wide = np.linalg.eigvalsh(covariance)[-2:]
+    if not wide > 0.0:
+        return 0.0
+    return _confidence_factor(max(0.0, float(thin / wide))) * math.sqrt(float(np.trace(covariance)))
+
+
+def _confidence_factor(thinness: float) -> float:
+    """c for the ratio of the smaller to the larger variance, 0 to 1."""
+    directions = (np.arange(256) + 0.5) * (math.pi / 512.0)
+    variances = (np.cos(directions) ** 2 + thinness * np.sin(directions) ** 2) / (1.0 + thinness)
+
+    def excess(c: float) -> float:
+        return float(np.mean(-np.expm1(-(c**2) / (2.0 * variances)))) - _CONFIDENCE
+
+    return float(brentq(excess, 1.0, 3.0, xtol=1e-6))
+
+
+def _jacobian(view: View, guide: Guide, pixel_corrected: Array, depth_mm: float, guide_from_axis: Array) -> Array:
+    """(6, 10) derivative of angle (rad) and position (mm) vectors by the parameters of the view."""
+
+    def errors(step: Array) -> Array:
+        return _error_vectors(_moved(view, step), guide, pixel_corrected, depth_mm, guide_from_axis)
+
+    return np.column_stack([(errors(step) - errors(-step)) / (2.0 * step.max()) for step in np.diag(_STEPS)])
+
+
+def _error_vectors(view: View, guide: Guide, pixel_corrected: Array, depth_mm: float, guide_from_axis: Array) -> Array:
+    """Angle vector (rad) and position vector (mm), stacked (6,), were `view` the truth."""
+    source_from_axis = view.source_from_guide @ guide_from_axis
+    axis, on_axis = source_from_axis[:3, 2], source_from_axis[:3, 3]
+    target = target_in_source(view, pixel_corrected, guide, depth_mm)
+    angle = angle_vector(axis, ray_in_source(view.intrinsics, pixel_corrected))
+    return np.concatenate((angle, position_vector(on_axis, axis, target)))
+
+
+def _moved(view: View, step: Array) -> View:
+    """The view with a step (10,) of its parameters added, pose on the left in the source frame."""
+    intrinsics = view.intrinsics
+    pose = view.source_from_guide.copy()
+    pose[:3, :3] = Rotation.from_rotvec(step[4:7]).as_matrix() @ pose[:3, :3]
+    pose[:3, 3] += step[7:]
+    moved = Intrinsics(
+        intrinsics.alpha_x_px + float(step[0]),
+        intrinsics.alpha_y_px + float(step[1]),
+        intrinsics.u0_px + float(step[2]),
+        intrinsics.v0_px + float(step[3]),
+    )
+    return View(moved, pose)
