@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeAlias
 
+import numpy as np
+
 from robot.arm import ArmState
-from robot.frames import Array, Transform
+from robot.frames import Array, Transform, check_rigid
 from robot.refusal import Refusal
 
 
@@ -33,6 +35,8 @@ class EndCause(StrEnum):
     FEEDBACK_LOST = "feedback_lost"
     PARENT_LOST = "parent_lost"
     OVERSPEED = "overspeed"
+    NOT_STARTED = "not_started"  # commanded, and the arm did not leave its place
+    OVERDUE = "overdue"  # still moving long after it should have arrived
     CONTROL_LOST = "control_lost"
     PROTECTIVE_STOP = "protective_stop"
     SAFEGUARD_STOP = "safeguard_stop"
@@ -57,6 +61,8 @@ class FaultKind(StrEnum):
 class BeginMove:
     """Start a motion under a permit; needs a live, held heartbeat of the same permit.
 
+    ValueError unless every number is finite and the transforms are rigid.
+
     Attributes
     ----------
     permit_id : str
@@ -80,6 +86,14 @@ class BeginMove:
     tcp_tolerance_rad: float
     payload_tolerance_kg: float
     payload_tolerance_mm: float
+
+    def __post_init__(self) -> None:
+        check_rigid(self.base_from_goal)
+        check_rigid(self.flange_from_guide)
+        _check_finite(self.start_joints_rad, 6)
+        _check_finite(self.payload_centre_mm, 3)
+        if not (self.speed_mm_s > 0.0 and self.acceleration_mm_s2 > 0.0 and 0.0 <= self.duration_s < np.inf):
+            raise ValueError("a motion has a speed, an acceleration and a duration")
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,16 +233,6 @@ Command: TypeAlias = BeginMove | Heartbeat | Stop | Acknowledge
 Event: TypeAlias = Status | MotionStarted | MotionEnded | MoveRefused | StopSent | Fault | Disturbed
 
 
-def encode(message: Command | Event) -> bytes:
-    """One line, ended by a newline."""
-    raise NotImplementedError
-
-
-def decode_command(line: bytes) -> Command:
-    """A command from a line; MessageError if it is none."""
-    raise NotImplementedError
-
-
-def decode_event(line: bytes) -> Event:
-    """An event from a line; MessageError if it is none."""
-    raise NotImplementedError
+def _check_finite(values: Array, count: int) -> None:
+    if np.shape(values) != (count,) or not np.isfinite(values).all():
+        raise ValueError(f"expected {count} finite numbers")

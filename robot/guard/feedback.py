@@ -1,0 +1,70 @@
+"""Judgement of the controller's feedback: fresh, finite, in order, and not frozen (H21)."""
+
+from enum import StrEnum
+
+import numpy as np
+
+from robot.arm import ArmState
+
+STALE_S = 0.1  # without a good reading
+_FROZEN_S = 0.1  # a pose that stays equal to the last bit while the same reading claims a speed
+_FROZEN_SPEED_MM_S = 1.0
+_FROZEN_TURN_RAD_S = 0.004
+
+
+class Verdict(StrEnum):
+    """What a reading is worth."""
+
+    GOOD = "good"
+    NOT_FINITE = "not_finite"
+    OUT_OF_ORDER = "out_of_order"
+    FROZEN = "frozen"
+
+
+class FeedbackWatch:
+    """Remembers the newest good reading and what was wrong with the others; pure, the clock is in the readings."""
+
+    def __init__(self) -> None:
+        self._newest: ArmState | None = None
+        self._changed_at_s = 0.0
+
+    @property
+    def newest(self) -> ArmState | None:
+        """Newest good reading, however old."""
+        return self._newest
+
+    def take(self, reading: ArmState) -> Verdict:
+        """Judge a reading and keep it if it is good."""
+        if not _is_finite(reading):
+            return Verdict.NOT_FINITE
+        before = self._newest
+        if before is not None and reading.controller_time_s <= before.controller_time_s:
+            return Verdict.OUT_OF_ORDER
+        if before is None or not np.array_equal(before.joints_rad, reading.joints_rad):
+            self._changed_at_s = reading.received_at_s
+        self._newest = reading
+        stuck_s = reading.received_at_s - self._changed_at_s
+        return Verdict.FROZEN if stuck_s > _FROZEN_S and _claims_motion(reading) else Verdict.GOOD
+
+    def is_fresh(self, now_s: float) -> bool:
+        """Whether there is a good reading younger than the limit."""
+        return self._newest is not None and now_s - self._newest.received_at_s <= STALE_S
+
+    def forget(self) -> None:
+        """Start anew after a reconnection: a controller that was restarted counts its time from zero."""
+        self._newest = None
+
+
+def _claims_motion(reading: ArmState) -> bool:
+    return reading.tcp_speed_mm_s > _FROZEN_SPEED_MM_S or reading.tcp_turn_speed_rad_s > _FROZEN_TURN_RAD_S
+
+
+def _is_finite(reading: ArmState) -> bool:
+    numbers = (
+        reading.joints_rad,
+        reading.joint_speeds_rad_s,
+        reading.base_from_tcp.ravel(),
+        reading.payload_centre_mm,
+        (reading.controller_time_s, reading.tcp_speed_mm_s, reading.tcp_turn_speed_rad_s, reading.payload_kg),
+    )
+    return bool(np.isfinite(np.concatenate(numbers)).all())
