@@ -1,0 +1,85 @@
+"""What the geometry commands read and print: files in, JSON lines out, complaints on stderr with an exit status."""
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from datetime import UTC, date, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TypeVar
+
+import typer
+
+if TYPE_CHECKING:
+    from vision.refusal import Refusal
+    from vision.registered import Registration
+    from vision.xray import XrayImage
+
+REFUSED = 3
+UNUSABLE = 2
+
+
+class _Device(Protocol):
+    @property
+    def expires(self) -> date | None: ...
+
+
+DeviceT = TypeVar("DeviceT", bound=_Device)
+
+
+def read_device(path: Path, parse: Callable[[bytes], DeviceT]) -> DeviceT:
+    """The device in a TOML file; ends the command with one line where it cannot be used, warns where it expired."""
+    try:
+        device = parse(_read(path))
+    except ValueError as error:
+        _end_unusable(path, error)
+    if device.expires is not None and device.expires < datetime.now(UTC).date():
+        typer.echo(f"warning: {path}: expired on {device.expires}", err=True)
+    return device
+
+
+def read_image(path: Path, frame: int | None) -> tuple[dict[str, Any], "XrayImage | Refusal"]:
+    """The image's identity for the output, and the decoded image or why it is none."""
+    from vision.refusal import Refusal
+    from vision.xray import decode
+
+    data = _read(path)
+    identity: dict[str, Any] = {"path": str(path), "sha256": hashlib.sha256(data).hexdigest()}
+    image = decode(data, frame)
+    if not isinstance(image, Refusal):
+        identity |= {"rows": image.rows, "columns": image.columns}
+    return identity, image
+
+
+def read_registration(path: Path) -> "Registration":
+    """The registration in a JSON file; ends the command with one line where there is none."""
+    from vision.registration_json import from_json
+
+    try:
+        return from_json(json.loads(_read(path)))
+    except (ValueError, RecursionError) as error:
+        _end_unusable(path, error)
+
+
+def print_line(result: Mapping[str, Any]) -> None:
+    """One JSON object on a line of stdout."""
+    typer.echo(json.dumps(result, allow_nan=False))
+
+
+def print_refusal(refusal: "Refusal", image: Mapping[str, Any]) -> None:
+    """One refusal on a line of stdout, with the image that it concerns."""
+    from vision.result_json import refusal_to_json
+
+    print_line({"status": "refused", "image": dict(image)} | refusal_to_json(refusal))
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        _end_unusable(path, error.strerror or error)
+
+
+def _end_unusable(path: Path, reason: object) -> NoReturn:
+    line = " ".join(str(reason).split())
+    typer.echo(f"error: {path}: {line}", err=True)
+    raise typer.Exit(UNUSABLE)

@@ -1,0 +1,120 @@
+"""The reference devices, a flat-panel registration and exact views of the guide, for every test of `vision`."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from vision.devices import CArm, Guide, read_carm, read_guide
+from vision.projection import Intrinsics, View
+
+GUIDE_TOML = b"""
+name = "reference-guide"
+version = 1
+[small_ring]
+radius = 20.0
+[big_ring]
+radius = 30.0
+[axis]
+separation = 60.0
+[indicator_line]
+start = 26.0
+end = 66.0
+[wire]
+diameter = 1.2
+[bead]
+position = [0.0, 45.0, -30.0]
+diameter = 3.0
+[tolerance]
+radius_sd = 0.02
+separation_sd = 0.03
+bead_sd = 0.05
+bore_concentricity_sd = 0.02
+"""
+
+FLAT_PANEL_TOML = b"""
+name = "reference-flat-panel"
+version = 1
+[geometry]
+source_to_image_distance = 1000.0
+source_to_image_distance_sd = 30.0
+principal_point_sd_px = 15.0
+[detector]
+kind = "flat-panel"
+field_of_view = 360.0
+"""
+
+INTENSIFIER_TOML = (
+    FLAT_PANEL_TOML.replace(b"flat-panel", b"image-intensifier")
+    + b"""
+[plate]
+ball_spacing = 15.0
+ball_diameter = 2.0
+"""
+)
+
+
+@pytest.fixture(scope="session")
+def guide_toml() -> bytes:
+    """The reference guide's file."""
+    return GUIDE_TOML
+
+
+@pytest.fixture(scope="session")
+def flat_panel_toml() -> bytes:
+    """The reference flat panel's file."""
+    return FLAT_PANEL_TOML
+
+
+@pytest.fixture(scope="session")
+def intensifier_toml() -> bytes:
+    """The reference image intensifier's file."""
+    return INTENSIFIER_TOML
+
+
+@pytest.fixture(scope="session")
+def guide() -> Guide:
+    """The reference guide."""
+    return read_guide(GUIDE_TOML)
+
+
+@pytest.fixture(scope="session")
+def flat_panel() -> CArm:
+    """The reference C-arm with a flat panel."""
+    return read_carm(FLAT_PANEL_TOML)
+
+
+@pytest.fixture(scope="session")
+def intensifier() -> CArm:
+    """The reference C-arm with an image intensifier and a plate."""
+    return read_carm(INTENSIFIER_TOML)
+
+
+@pytest.fixture(scope="session")
+def make_view() -> Callable[..., View]:
+    """Views by tilt, azimuth of the tilt's axis and roll (deg), translation (mm) and principal point (px)."""
+
+    def make(
+        tilt_deg: float,
+        azimuth_deg: float = 0.0,
+        roll_deg: float = 0.0,
+        translation_mm: tuple[float, float, float] = (10.0, -5.0, 750.0),
+        centre_px: tuple[float, float] = (511.5, 511.5),
+        alpha_px: float = 1000.0 / 360.0 * 1024.0,
+    ) -> View:
+        azimuth = np.radians(azimuth_deg)
+        tilt = Rotation.from_rotvec(np.radians(tilt_deg) * np.array([np.cos(azimuth), np.sin(azimuth), 0.0]))
+        pose: NDArray[np.float64] = np.eye(4)
+        pose[:3, :3] = (tilt * Rotation.from_euler("z", roll_deg, degrees=True)).as_matrix()
+        pose[:3, 3] = translation_mm
+        return View(Intrinsics(alpha_px, alpha_px, *centre_px), pose)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def vector_view(make_view: Callable[..., View]) -> View:
+    """The view of the test vector in docs/method.md."""
+    return make_view(10.0)
