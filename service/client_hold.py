@@ -1,0 +1,119 @@
+"""The held button as a scripted client presses it: heartbeats from a thread, each echoing the newest challenge."""
+
+import json
+import threading
+import time
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any, Self
+
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import ClientConnection, connect
+
+HEARTBEAT_S = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class HoldEnded:
+    """How the motion ended: the cause that was observed, where the case stands, and how far from the goal."""
+
+    cause: str
+    state: str
+    version: int
+    distance_mm: float | None
+    angle_deg: float | None
+    problem: dict[str, Any] | None
+
+
+class Hold:
+    """A pressed button; leaving the context lets go.
+
+    Nothing is sent without a challenge that the guard made, and nothing is sent by anything but this thread: if the
+    program that holds is stuck, so is the thread's process, and the arm stops.
+    """
+
+    def __init__(self, url: str, token: str) -> None:
+        self._connection = connect(
+            url, additional_headers={"Authorization": f"Bearer {token}"}, open_timeout=10, ping_interval=None
+        )
+        self._lock = threading.Lock()
+        self._held = True
+        self._number = 0
+        self._challenge = ""
+        self._ended: HoldEnded | None = None
+        self._over = threading.Event()
+        self.progress: dict[str, Any] = {}
+        threads = (self._listen, self._beat)
+        self._threads = [threading.Thread(target=run, args=(self._connection,), daemon=True) for run in threads]
+
+    def __enter__(self) -> Self:
+        for thread in self._threads:
+            thread.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        if not self._over.is_set():
+            self.release()
+            self._over.wait(5.0)
+        self._over.set()
+        self._connection.close()
+        for thread in self._threads:
+            thread.join(5.0)
+
+    def release(self) -> None:
+        """Let go: said at once, not only by silence."""
+        self._held = False
+        self._send(self._connection)
+
+    def fall_silent(self) -> None:
+        """Send nothing any more, as a lost network would."""
+        self._connection.socket.close()
+        self._over.set()
+
+    def wait(self, timeout_s: float) -> HoldEnded:
+        """Hold until the motion is over; TimeoutError after `timeout_s`."""
+        if not self._over.wait(timeout_s) or self._ended is None:
+            raise TimeoutError(f"the motion did not end within {timeout_s} s")
+        return self._ended
+
+    def _beat(self, connection: ClientConnection) -> None:
+        due_s = time.monotonic()
+        while not self._over.is_set() and self._held:
+            self._send(connection)
+            due_s += HEARTBEAT_S
+            self._over.wait(max(0.0, due_s - time.monotonic()))
+
+    def _send(self, connection: ClientConnection) -> None:
+        with self._lock:
+            if not self._challenge or self._over.is_set():
+                return
+            self._number += 1
+            beat = {"number": self._number, "challenge": self._challenge, "held": self._held}
+            try:
+                connection.send(json.dumps(beat))
+            except (ConnectionClosed, OSError):
+                self._over.set()
+
+    def _listen(self, connection: ClientConnection) -> None:
+        try:
+            for text in connection:
+                self._take(json.loads(text))
+        except (ConnectionClosed, OSError):
+            pass
+        finally:
+            self._over.set()
+
+    def _take(self, message: dict[str, Any]) -> None:
+        if message["type"] == "progress":
+            self._challenge = message["challenge"]
+            self.progress = message
+            return
+        self._ended = HoldEnded(
+            cause=message["cause"],
+            state=message["state"],
+            version=message["version"],
+            distance_mm=message["distance_mm"],
+            angle_deg=message["angle_deg"],
+            problem=message["problem"],
+        )
+        self._over.set()
