@@ -6,6 +6,8 @@ and offer `ControllerControl`.
 
 from simulator.controller.addresses import free_loopback_address
 from simulator.controller.control import ControllerControl
+from simulator.controller.controller import Controller
+from simulator.controller.process import ControllerProcess
 from simulator.controller.settings import ArmTruth, ControllerSettings, Payload
 from simulator.controller.state import ArmSample, ControllerState, WireRecord
 from simulator.controller.states import (
@@ -21,7 +23,9 @@ from simulator.controller.states import (
 __all__ = [
     "ArmSample",
     "ArmTruth",
+    "Controller",
     "ControllerControl",
+    "ControllerProcess",
     "ControllerSettings",
     "ControllerState",
     "Fault",

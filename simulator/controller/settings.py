@@ -29,7 +29,7 @@ class Payload:
     centre_mm: tuple[float, float, float] = (0.0, 0.0, 50.0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ControllerSettings:
     """Address, start pose, installation values, and the behaviours that nobody could check on a real controller."""
 
@@ -42,7 +42,7 @@ class ControllerSettings:
     protective_stop_pauses: bool = True  # False: the program is stopped instead
     watchdog_outcome: WatchdogOutcome = WatchdogOutcome.STOP_PROGRAM
     input_registers_exclusive: bool = True  # a second client that asks for them gets IN_USE
-    tool_lever_mm: float = 250.0  # a linear move turns at most at speed / lever
+    tool_lever_mm: float = 100.0  # a linear move turns at most at speed / lever
 
     @property
     def cycle_s(self) -> float:

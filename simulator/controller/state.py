@@ -9,7 +9,7 @@ from simulator.controller.settings import Payload
 from simulator.controller.states import Fault, RobotMode, RuntimeState, SafetyMode
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ControllerState:
     """One moment: what the controller reports beside where the arm really is (mm, rad)."""
 

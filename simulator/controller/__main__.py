@@ -1,0 +1,38 @@
+"""The process behind `ControllerProcess`: settings first, then calls, one JSON object a line; ends with its input."""
+
+import json
+import sys
+from typing import Any
+
+from simulator.controller.codec import from_json, to_json
+from simulator.controller.controller import Controller
+
+
+def main() -> None:
+    """Run one controller until standard input closes."""
+    first = json.loads(sys.stdin.readline())
+    try:
+        controller = Controller(from_json(first["settings"]))
+    except OSError as error:
+        _say({"error": str(error), "kind": "OSError"})
+        return
+    with controller:
+        _say({"result": None})
+        for line in sys.stdin:
+            _say(_answer(controller, json.loads(line)))
+
+
+def _answer(controller: Controller, request: dict[str, Any]) -> dict[str, Any]:
+    try:
+        return {"result": to_json(getattr(controller, request["call"])(*from_json(request["arguments"])))}
+    except ValueError as error:
+        return {"error": str(error), "kind": "ValueError"}
+
+
+def _say(answer: dict[str, Any]) -> None:
+    sys.stdout.write(json.dumps(answer) + "\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

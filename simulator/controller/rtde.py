@@ -1,0 +1,165 @@
+"""The RTDE server: negotiates recipes, sends one data packet a cycle, takes input packets."""
+
+import asyncio
+import struct
+from collections.abc import Mapping
+from math import nan
+from typing import TYPE_CHECKING
+
+from simulator.controller.addresses import RTDE_PORT
+from simulator.controller.fields import INPUT_TYPES, OUTPUT_TYPES
+from simulator.controller.framing import PacketType, Recipe, Value, frame, names_in, read_frame
+from simulator.controller.states import Fault
+
+if TYPE_CHECKING:
+    from simulator.controller.core import ControllerCore
+
+# A client that reads nothing is dropped, as real controllers do after some ten seconds.
+_BACKLOG_LIMIT_BYTES = 1_000_000
+
+
+class RtdeConnection:
+    """One client: its recipes and whether it is being sent to."""
+
+    def __init__(self, server: "RtdeServer", writer: asyncio.StreamWriter) -> None:
+        self._server = server
+        self._writer = writer
+        self._output: Recipe | None = None
+        self._every = 1
+        self._inputs: dict[int, Recipe] = {}
+        self._started = False
+        self._held_back: bytes | None = None
+
+    @property
+    def claimed(self) -> set[str]:
+        """Names of the inputs that this client writes."""
+        return {name for recipe in self._inputs.values() for name in recipe.names}
+
+    def answer(self, kind: int, payload: bytes) -> None:
+        """Handle one request.
+
+        Raises
+        ------
+        ValueError
+            If the packet type is unknown.
+        """
+        match PacketType(kind):
+            case PacketType.DATA:
+                self._server.take_input(self._inputs[payload[0]].unpack(payload))
+            case PacketType.PROTOCOL:
+                self._reply(PacketType.PROTOCOL, b"\x01")
+            case PacketType.VERSION:
+                self._reply(PacketType.VERSION, struct.pack(">4I", *self._server.version))
+            case PacketType.OUTPUTS:
+                self._reply(PacketType.OUTPUTS, self._set_outputs(payload))
+            case PacketType.INPUTS:
+                self._reply(PacketType.INPUTS, self._set_inputs(payload))
+            case PacketType.START | PacketType.PAUSE:
+                self._started = kind == PacketType.START and self._output is not None
+                self._reply(PacketType(kind), b"\x01")
+            case PacketType.MESSAGE:
+                pass
+
+    def send(self, values: Mapping[str, Value], cycle: int, swapped: bool) -> None:
+        """Send this cycle's packet if it is due; swapped, each pair of packets goes out in the wrong order."""
+        if not self._started or self._output is None or cycle % self._every:
+            return
+        packet = frame(PacketType.DATA, self._output.pack([values[name] for name in self._output.names]))
+        if swapped and self._held_back is None:
+            self._held_back = packet
+            return
+        self._writer.write(packet + (self._held_back or b""))
+        self._held_back = None
+        if self._writer.transport.get_write_buffer_size() > _BACKLOG_LIMIT_BYTES:
+            self.close()
+
+    def close(self) -> None:
+        """Cut the connection."""
+        self._writer.transport.abort()
+
+    def _reply(self, kind: PacketType, payload: bytes) -> None:
+        self._writer.write(frame(kind, payload))
+
+    def _set_outputs(self, payload: bytes) -> bytes:
+        (wanted_hz,) = struct.unpack_from(">d", payload)
+        names = names_in(payload[8:])
+        types = [OUTPUT_TYPES.get(name, "NOT_FOUND") for name in names]
+        if "NOT_FOUND" in types:
+            return b"\x00" + ",".join(types).encode()
+        self._output = Recipe(1, names, types)
+        self._every = max(1, round(self._server.frequency_hz / wanted_hz)) if wanted_hz > 0.0 else 1
+        return b"\x01" + ",".join(types).encode()
+
+    def _set_inputs(self, payload: bytes) -> bytes:
+        names = names_in(payload)
+        taken = self._server.inputs_of_others(self)
+        types = ["IN_USE" if name in taken else INPUT_TYPES.get(name, "NOT_FOUND") for name in names]
+        if "NOT_FOUND" in types or "IN_USE" in types:
+            return b"\x00" + ",".join(types).encode()
+        number = len(self._inputs) + 1
+        self._inputs[number] = Recipe(number, names, types)
+        return bytes([number]) + ",".join(types).encode()
+
+
+class RtdeServer:
+    """Port 30004 of one controller."""
+
+    def __init__(self, core: "ControllerCore") -> None:
+        self.version = core.settings.version
+        self.frequency_hz = 1.0 / core.settings.cycle_s
+        self._core = core
+        self._connections: set[RtdeConnection] = set()
+        self._last: Mapping[str, Value] = {}
+
+    async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Answer one client until it leaves or breaks the protocol."""
+        connection = RtdeConnection(self, writer)
+        self._connections.add(connection)
+        self._core.log.add(RTDE_PORT, "connected")
+        try:
+            while True:
+                kind, payload = await read_frame(reader)
+                if Fault.HANDSHAKE_MUTE not in self._core.faults:
+                    connection.answer(kind, payload)
+        except (OSError, asyncio.IncompleteReadError, ValueError, KeyError, IndexError, struct.error):
+            connection.close()
+        finally:
+            self._connections.discard(connection)
+            self._core.log.add(RTDE_PORT, "disconnected")
+
+    def take_input(self, values: Mapping[str, Value]) -> None:
+        """Hand an input packet on, and keep it for the tests."""
+        self._core.log.add_input(values)
+        self._core.write_inputs(values)
+
+    def inputs_of_others(self, connection: RtdeConnection) -> set[str]:
+        """Inputs that this client may not have."""
+        if not self._core.settings.input_registers_exclusive:
+            return set()
+        return {name for other in self._connections if other is not connection for name in other.claimed}
+
+    def send(self, values: Mapping[str, Value]) -> None:
+        """Send one cycle to every client, as honestly as the faults allow."""
+        faults = self._core.faults
+        shown = _distorted(values, self._last or values, faults)
+        self._last = shown
+        if Fault.PACKETS_STOP in faults:
+            return
+        for connection in tuple(self._connections):
+            connection.send(shown, self._core.cycles, Fault.PACKETS_OUT_OF_ORDER in faults)
+
+    def close_connections(self) -> None:
+        """Cut every client off."""
+        for connection in tuple(self._connections):
+            connection.close()
+
+
+def _distorted(now: Mapping[str, Value], last: Mapping[str, Value], faults: frozenset[Fault]) -> Mapping[str, Value]:
+    if Fault.VALUES_FREEZE in faults:
+        now = {**last, "timestamp": now["timestamp"]}
+    if Fault.VALUES_NAN in faults:
+        broken = dict.fromkeys(("actual_q", "actual_qd", "actual_TCP_pose", "actual_TCP_speed"), (nan,) * 6)
+        now = {**now, **broken}
+    if Fault.TIMESTAMP_STOPS in faults:
+        now = {**now, "timestamp": last["timestamp"]}
+    return now

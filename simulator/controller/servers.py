@@ -1,0 +1,83 @@
+"""The three servers of a controller around its cycle, on one event loop."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Protocol
+
+from simulator.controller.addresses import DASHBOARD_PORT, RTDE_PORT, SCRIPT_PORT
+from simulator.controller.core import ControllerCore
+from simulator.controller.dashboard import DashboardServer
+from simulator.controller.fields import output_values
+from simulator.controller.pacing import Pacing
+from simulator.controller.rtde import RtdeServer
+from simulator.controller.script import ScriptServer
+from simulator.controller.states import Fault
+
+_FAULT_OF_PORT = {
+    RTDE_PORT: Fault.RTDE_CLOSED,
+    SCRIPT_PORT: Fault.SCRIPT_PORT_CLOSED,
+    DASHBOARD_PORT: Fault.DASHBOARD_CLOSED,
+}
+
+
+class PortServer(Protocol):
+    """What the three servers have in common."""
+
+    async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Answer one client until it leaves."""
+
+    def close_connections(self) -> None:
+        """Cut every client off."""
+
+
+class ControllerServers:
+    """Opens and closes the ports as the faults say, and advances the controller at its pace."""
+
+    def __init__(self, core: ControllerCore) -> None:
+        self.pacing = Pacing(core.settings.cycle_s)
+        self._core = core
+        self._rtde = RtdeServer(core)
+        self._servers: dict[int, PortServer] = {
+            RTDE_PORT: self._rtde,
+            SCRIPT_PORT: ScriptServer(core.load, core.log),
+            DASHBOARD_PORT: DashboardServer(core),
+        }
+        self._listening: dict[int, asyncio.Server] = {}
+
+    async def run(self, opened: Callable[[], None], stopping: asyncio.Event) -> None:
+        """Serve until told to stop.
+
+        Raises
+        ------
+        OSError
+            If the address or a port of it is taken.
+        """
+        try:
+            await self.open_ports()
+            opened()
+            while not stopping.is_set():
+                await asyncio.sleep(max(0.0, self.pacing.wait_s()))  # late or not, the servers get a turn
+                self._cycle()
+        finally:
+            for port in tuple(self._listening):
+                self._shut(port)
+
+    async def open_ports(self) -> None:
+        """Listen where no fault forbids it, and cut off the clients of the other ports."""
+        for port, fault in _FAULT_OF_PORT.items():
+            if fault in self._core.faults:
+                self._shut(port)
+            elif port not in self._listening:
+                serve = self._servers[port].serve
+                self._listening[port] = await asyncio.start_server(serve, self._core.settings.address, port)
+
+    def _cycle(self) -> None:
+        self.pacing.note()
+        self._core.cycle()
+        self._rtde.send(output_values(self._core))
+
+    def _shut(self, port: int) -> None:
+        listening = self._listening.pop(port, None)
+        if listening is not None:
+            listening.close()
+        self._servers[port].close_connections()
