@@ -2,7 +2,7 @@
 
 room = Coaxial("http://127.0.0.1:8700")
 room.sign_in("surgeon", "password")
-case = room.open_case({"patient_id": "P1", "study_uid": "1.2.3"})
+case = room.open_case({"patient_id": "P1", "study_uid": "1.2.3", "targets": [...]})
 case.take_lease("start")
 case.command("carm-position-confirmed")
 plan = case.plan("approach", base_from_goal={"translation_mm": [...], "rotation_vector_deg": [...]})
@@ -76,13 +76,13 @@ class Coaxial:
         return self.get("/status")
 
     def upload_device(self, kind: str, file: bytes) -> Json:
-        """Store a device file: kind guide, carm or tool."""
-        return self._answer(self._http.post(f"/devices/{kind}", content=file)).json()  # type: ignore[no-any-return]
+        """Store a device file: kind guide, carm or tcp."""
+        return self._answer(self._http.post(f"/devices/{kind}", content=file)).json()  # type: ignore[no-any-return]  # JSON
 
     def open_case(self, case: Json) -> "Case":
-        """Open a case: patient_id, study_uid, position, devices, planned_targets."""
+        """Open a case: patient_id, study_uid, position, targets (name, entry_mm, target_mm), devices by kind."""
         answer = self.post("/cases", case, headers={"Idempotency-Key": uuid4().hex})
-        return Case(self, str(answer["case_id"]))
+        return Case(self, str(answer["id"]))
 
     def case(self, case_id: str) -> "Case":
         """A case that exists already."""
@@ -98,11 +98,15 @@ class Coaxial:
 
     def get(self, path: str) -> Json:
         """GET below /api; Refused for every error."""
-        return self._answer(self._http.get(path)).json()  # type: ignore[no-any-return]
+        return self._answer(self._http.get(path)).json()  # type: ignore[no-any-return]  # JSON
+
+    def get_list(self, path: str) -> list[Json]:
+        """GET of a list below /api."""
+        return self._answer(self._http.get(path)).json()  # type: ignore[no-any-return]  # JSON
 
     def post(self, path: str, body: Json | None = None, headers: Mapping[str, str] | None = None) -> Json:
         """POST below /api; Refused for every error."""
-        return self._answer(self._http.post(path, json=body or {}, headers=headers)).json()  # type: ignore[no-any-return]
+        return self._answer(self._http.post(path, json=body or {}, headers=headers)).json()  # type: ignore[no-any-return]  # JSON
 
     def stream(self, path: str, headers: Mapping[str, str]) -> Iterator[Json]:
         """Server-sent events below /api, as they come."""
@@ -192,9 +196,13 @@ class Case:
         """Every event behind sequence `after`, then each new one as it happens."""
         return self.room.stream(f"/cases/{self.id}/events", {"Last-Event-ID": str(after)})
 
-    def audit(self) -> Json:
-        """Events and attempts with their verdicts."""
-        return self.room.get(f"/cases/{self.id}/audit")
+    def record(self) -> list[Json]:
+        """Every event with the whole state after it."""
+        return self.room.get_list(f"/cases/{self.id}/audit")
+
+    def attempts(self) -> list[Json]:
+        """Every request that was decided, newest first, with the verdict of every interlock."""
+        return self.room.get_list(f"/interlocks?case={self.id}")
 
     def carm_angles(self, planned_target: str) -> Json:
         """The C-arm's angles for a planned target, degrees."""

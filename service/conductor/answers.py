@@ -121,37 +121,14 @@ class StatusAnswer(BaseModel):
     targets: dict[str, str]
 
 
-class CaseAnswer(BaseModel):
-    """What was fixed when the case was opened, and where it stands."""
-
-    case_id: str
-    room: str
-    patient_id: str
-    study_uid: str
-    opened_at: str
-    devices: dict[str, str]
-    planned_targets: dict[str, Any]
-    state: str
-    version: int
-
-
 class CArmAnglesAnswer(BaseModel):
-    """The C-arm's angles for a planned path, degrees."""
+    """The C-arm's angles for a planned path, degrees, as `coaxial plan-carm` prints them."""
 
     target: str
-    primary_deg: float
-    secondary_deg: float
-    dial_primary_deg: float
-    dial_secondary_deg: float
+    primary_angle_deg: float
+    secondary_angle_deg: float
+    rotation_from_vertical_deg: float
+    angulation_from_vertical_deg: float
     orbital_deg: float
     tilt_deg: float
-    rotation_from_vertical_deg: float
     words: str
-
-
-class AuditAnswer(BaseModel):
-    """The case's events, oldest first, and every attempt with its verdicts, newest first."""
-
-    case_id: str
-    events: list[dict[str, Any]]
-    attempts: list[dict[str, Any]]

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
 
+from service.devices.store import DeviceKind
 from workflow.plans import PlanKind
 from workflow.states import GuideState
 
@@ -16,11 +17,9 @@ _Pixel = Annotated[float, Field(ge=-0.5, le=65535.5, allow_inf_nan=False)]
 # A UR5 reaches 850 mm; a position in metres is within 1.3 of zero all along and is caught by the path check (H09).
 _Reach = Annotated[float, Field(ge=-1300.0, le=1300.0, allow_inf_nan=False)]
 _Turn = Annotated[float, Field(ge=-360.0, le=360.0, allow_inf_nan=False)]
-_Patient = Annotated[float, Field(ge=-2000.0, le=2000.0, allow_inf_nan=False)]
 DepthMm = Annotated[float, Field(ge=10.0, le=300.0, allow_inf_nan=False)]
 Millimetres = tuple[_Reach, _Reach, _Reach]
 Degrees = tuple[_Turn, _Turn, _Turn]
-PatientPoint = tuple[_Patient, _Patient, _Patient]
 
 
 class Body(BaseModel):
@@ -31,40 +30,6 @@ class Body(BaseModel):
 
 class Nothing(Body):
     """A command that needs no more than its name."""
-
-
-class PlannedTarget(Body):
-    """A path planned in CT, patient coordinates (LPS, mm)."""
-
-    name: Name
-    entry_mm: PatientPoint
-    target_mm: PatientPoint
-    depth_mm: DepthMm | None = None
-
-
-class Devices(Body):
-    """Ids of the device files; the newest of its kind where none is named."""
-
-    guide: Identifier | None = None
-    carm: Identifier | None = None
-    tool: Identifier | None = None
-
-
-class OpenCase(Body):
-    """A case to open."""
-
-    patient_id: Name
-    study_uid: Name
-    position: Literal["prone", "supine"] = "prone"
-    devices: Devices = Devices()
-    planned_targets: Annotated[tuple[PlannedTarget, ...], Field(max_length=32)] = ()
-
-    @model_validator(mode="after")
-    def _unique_names(self) -> "OpenCase":
-        names = [target.name for target in self.planned_targets]
-        if len(names) != len(set(names)):
-            raise ValueError("two planned targets have the same name")
-        return self
 
 
 class WithReason(Body):
@@ -164,9 +129,16 @@ class FinishTarget(Body):
 
 
 class StateMovement(Body):
-    """What moved or was changed."""
+    """What moved."""
 
     what: OptionalReason = ""
+
+
+class ChangeDevices(Body):
+    """Device files to use from now on, by kind; the others stay."""
+
+    what: OptionalReason = ""
+    devices: dict[DeviceKind, Identifier] = {}
 
 
 class Acknowledge(Body):
