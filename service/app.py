@@ -5,16 +5,31 @@ from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontext
 
 from fastapi import APIRouter, FastAPI
 
+import service.auth.router
+import service.cases.router
+import service.devices.router
+import service.images.router
+from service import room_status
 from service.assembly import assemble
+from service.edge import Edge
+from service.openapi import described_by
 from service.parts import Parts
 from service.problem_json import add_problem_handlers
 from service.settings import Settings
 from service.version import PRODUCT_VERSION
 
 # Every feature's router, its paths below /api.
-ROUTERS: tuple[APIRouter, ...] = ()
+ROUTERS: tuple[APIRouter, ...] = (
+    service.auth.router.router,
+    room_status.router,
+    service.cases.router.router,
+    service.devices.router.router,
+    service.images.router.router,
+)
 # What runs beside the requests: entered in this order once the parts are up, left in reverse before they close.
 BACKGROUND: tuple[Callable[[FastAPI, Parts], AbstractAsyncContextManager[None]], ...] = ()
+
+_DESCRIPTION = "Robot-assisted needle placement under C-arm fluoroscopy. Research software, not for clinical use."
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -28,7 +43,17 @@ def create_app(settings: Settings) -> FastAPI:
                 await stack.enter_async_context(background(app, app.state.parts))
             yield
 
-    app = FastAPI(title="Coaxial", version=PRODUCT_VERSION, openapi_url="/api/openapi.json", lifespan=lifespan)
+    app = FastAPI(
+        title="Coaxial",
+        version=PRODUCT_VERSION,
+        description=_DESCRIPTION,
+        openapi_url="/api/openapi.json",
+        docs_url=None,  # its page loads scripts from elsewhere, which a room's network has not
+        redoc_url=None,
+        lifespan=lifespan,
+    )
+    app.openapi = described_by(app)  # type: ignore[method-assign]  # FastAPI's own way to extend the description
+    app.add_middleware(Edge, max_body_bytes=settings.http.max_body_bytes)
     add_problem_handlers(app)
     for router in ROUTERS:
         app.include_router(router, prefix="/api")

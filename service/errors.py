@@ -48,6 +48,7 @@ class ErrorCode(StrEnum):
     DISK_FULL = "disk_full"
     DATABASE_FAULT = "database_fault"
     DATABASE_BUSY = "database_busy"
+    SCHEMA_UNKNOWN = "schema_unknown"
     ROOM_CLAIMED = "room_claimed"
     VISION_DEADLINE = "vision_deadline"
     VISION_CRASHED = "vision_crashed"
@@ -144,6 +145,7 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.DISK_FULL: Answer(507, "Free space on the data folder's disk; stop still works."),
     ErrorCode.DATABASE_FAULT: Answer(503, "Check the disk and the database; nothing was changed. Stop still works."),
     ErrorCode.DATABASE_BUSY: Answer(503, "Try again in a moment; nothing was changed."),
+    ErrorCode.SCHEMA_UNKNOWN: Answer(503, "Start the version that wrote the database, or a newer one."),
     ErrorCode.ROOM_CLAIMED: Answer(409, "Stop the other service of this room, or give this one a room of its own."),
     ErrorCode.VISION_DEADLINE: Answer(503, "Try again; if it repeats, take a new image."),
     ErrorCode.VISION_CRASHED: Answer(503, "Try again; the image worker was restarted."),

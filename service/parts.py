@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from starlette.requests import HTTPConnection
 
 if TYPE_CHECKING:  # the parts know nothing of one another, and this module nothing of their insides
+    from service.auth.proofs import Proofs
     from service.auth.sessions import SessionStore
     from service.auth.users import UserStore
     from service.cases.feed import EventFeed
@@ -25,10 +26,11 @@ class Parts:
     database: Database
     users: UserStore
     sessions: SessionStore
+    proofs: Proofs
     feed: EventFeed
     arrivals: ImageArrivals
     vision: VisionWorker
-    dicom_port: int = field(default=0)
+    dicom_port: int
 
 
 def parts_of(connection: HTTPConnection) -> Parts:

@@ -5,8 +5,9 @@ Later ones win.
 
 import hashlib
 import os
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_settings import BaseSettings, PydanticBaseSettingsSource, SettingsConfigDict, TomlConfigSettingsSource
@@ -116,8 +117,8 @@ class Settings(BaseSettings):
         return hashlib.sha256(decisive.encode()).hexdigest()
 
 
-def load_settings(file: Path | None = None) -> Settings:
-    """Settings from `file` and the environment; raises ServiceError naming the key that is wrong."""
+def load_settings(file: Path | None = None, overrides: Mapping[str, Any] | None = None) -> Settings:
+    """Settings from `file`, environment and `overrides`; raises ServiceError naming the key that is wrong."""
     if file is not None and not file.is_file():
         raise ServiceError(ErrorCode.SETTINGS_REFUSED, f"settings file {file} does not exist")
 
@@ -125,7 +126,7 @@ def load_settings(file: Path | None = None) -> Settings:
         model_config = SettingsConfigDict(toml_file=file)
 
     try:
-        return FileSettings()
+        return FileSettings(**(overrides or {}))
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         key = ".".join(str(part) for part in first["loc"])

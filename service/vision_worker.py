@@ -1,44 +1,137 @@
 """Image work in a process of its own, with a deadline and a memory limit; never on the event loop.
 
-Answers are JSON-able and as `contract.md` has them: `{"status": "refused", "reason": {...}}` where the image or the
-geometry says no. ServiceError (VISION_DEADLINE, VISION_CRASHED, VISION_OUT_OF_MEMORY) is only for work that failed.
+Answers are JSON-able and as the command line prints them: `{"status": "refused", "reason": {...}}` where the image or
+the geometry says no. ServiceError (VISION_DEADLINE, VISION_CRASHED, VISION_OUT_OF_MEMORY) is for work that failed.
 """
 
+import asyncio
+import multiprocessing
+from concurrent.futures import ThreadPoolExecutor
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
 from typing import Any
 
+import structlog
+
+from service import vision_process
+from service.errors import ErrorCode, ServiceError
 from service.settings import VisionSettings
 
+_log = structlog.get_logger(__name__)
 Json = dict[str, Any]
+
+# A spawned process shares neither locks nor the guard's pipe with the service; a forked one would.
+_SPAWN = multiprocessing.get_context("spawn")
 
 
 class VisionWorker:
     """One spawned process; jobs wait for one another. Started at the first job, again after a crash or deadline."""
 
-    def __init__(self, settings: VisionSettings) -> None:
+    def __init__(self, settings: VisionSettings, jobs_module: str = "service.vision_jobs") -> None:
         self._settings = settings
+        self._jobs_module = jobs_module
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="vision-worker")
+        self._process: SpawnProcess | None = None
+        self._pipe: Connection | None = None
+
+    @property
+    def pid(self) -> int | None:
+        """The process now at work or waiting for it."""
+        return self._process.pid if self._process else None
 
     async def start(self) -> None:
         """Start the process ahead of the first job, so that the first image does not pay for the imports."""
-        raise NotImplementedError
+        await asyncio.get_running_loop().run_in_executor(self._thread, self._running_pipe)
 
     async def close(self) -> None:
-        """End the process."""
-        raise NotImplementedError
+        """End the process, in the middle of a job too."""
+        process = self._process
+        if process is not None:
+            process.kill()
+        await asyncio.to_thread(self._thread.shutdown)
+        self._end()
 
     async def register(self, image: bytes, guide: bytes, carm: bytes) -> Json:
         """`coaxial register` on bytes; the image's path is left out."""
-        raise NotImplementedError
+        return await self.run("register", image, guide, carm)
 
     async def target(self, registration: Json, pixel: tuple[float, float], space: str, depth_mm: float) -> Json:
         """`coaxial target` from a registration's JSON."""
-        raise NotImplementedError
+        return await self.run("target", registration, pixel, space, depth_mm)
 
     async def evaluate(
         self, image: bytes, guide: bytes, carm: bytes, pixel: tuple[float, float], space: str, depth_mm: float
     ) -> Json:
-        """`coaxial evaluate` on bytes; the contour registration is inside, for a correction."""
-        raise NotImplementedError
+        """`coaxial evaluate` on bytes; `registration` is the contour registration, for a correction."""
+        return await self.run("evaluate", image, guide, carm, pixel, space, depth_mm)
+
+    async def carm_angles(self, entry_mm: tuple[float, ...], target_mm: tuple[float, ...], position: str) -> Json:
+        """`coaxial plan-carm`."""
+        return await self.run("carm_angles", entry_mm, target_mm, position)
 
     async def describe(self, image: bytes) -> Json:
-        """What decoding says of an image: rows, columns, bits, pixel hash; or refused."""
-        raise NotImplementedError
+        """What decoding says of an image: rows, columns, bits, hash of the decoded pixels; or refused."""
+        return await self.run("describe", image)
+
+    async def run(self, job: str, *arguments: Any) -> Json:
+        """Any job by name; ServiceError where the work failed."""
+        return await asyncio.get_running_loop().run_in_executor(self._thread, self._exchange, job, arguments)
+
+    def _exchange(self, job: str, arguments: tuple[Any, ...]) -> Json:
+        pipe = self._running_pipe()
+        try:
+            pipe.send((job, arguments))
+            outcome, answer = self._receive(pipe, self._settings.deadline_s, job)
+        except (EOFError, OSError) as error:
+            self._end()
+            raise _fault(ErrorCode.VISION_CRASHED, job, "the image worker died") from error
+        if outcome == vision_process.OUT_OF_MEMORY:
+            raise _fault(
+                ErrorCode.VISION_OUT_OF_MEMORY, job, "the image needs too much memory", self._settings.memory_bytes
+            )
+        if outcome == vision_process.FAILED:
+            _log.error("vision_job_failed", job=job, error=answer)
+            raise _fault(ErrorCode.VISION_CRASHED, job, "the image worker failed")
+        result: Json = answer
+        return result
+
+    def _receive(self, pipe: Connection, deadline_s: float, job: str) -> tuple[str, Any]:
+        if not pipe.poll(deadline_s):
+            self._end()
+            raise _fault(ErrorCode.VISION_DEADLINE, job, "the image took too long, s", deadline_s)
+        outcome, answer = pipe.recv()
+        return outcome, answer
+
+    def _running_pipe(self) -> Connection:
+        if self._pipe is None or self._process is None or not self._process.is_alive():
+            self._end()
+            self._pipe = self._start_process()
+        return self._pipe
+
+    def _start_process(self) -> Connection:
+        ours, theirs = _SPAWN.Pipe()
+        arguments = (theirs, self._settings.memory_bytes, self._jobs_module)
+        self._process = _SPAWN.Process(target=vision_process.serve_jobs, args=arguments, daemon=True)
+        self._process.start()
+        theirs.close()  # so that the process's death closes the pipe
+        try:
+            self._receive(ours, self._settings.start_deadline_s, "start")
+        except (EOFError, OSError) as error:
+            self._end()
+            raise _fault(ErrorCode.VISION_CRASHED, "start", "the image worker did not start") from error
+        return ours
+
+    def _end(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+            self._process.close()
+            self._process = None
+        if self._pipe is not None:
+            self._pipe.close()
+            self._pipe = None
+
+
+def _fault(code: ErrorCode, job: str, message: str, limit: float | None = None) -> ServiceError:
+    _log.error("vision_worker_fault", code=code, job=job)
+    return ServiceError(code, message, limit=limit)

@@ -29,9 +29,18 @@ def bearer_or_cookie(connection: HTTPConnection) -> str | None:
     return connection.cookies.get(COOKIE)
 
 
-def any_session(connection: HTTPConnection, parts: Annotated[Parts, Depends(parts_of)]) -> Session:
-    """The caller's session, locked or expired as it may be; ServiceError NOT_SIGNED_IN or ORIGIN_REFUSED."""
+def refuse_foreign_origin(connection: HTTPConnection, parts: Annotated[Parts, Depends(parts_of)]) -> None:
+    """ServiceError ORIGIN_REFUSED for what another site's page sends."""
     check_origin(connection, parts.settings.http.origins)
+
+
+_SameSite = Depends(refuse_foreign_origin)
+
+
+def any_session(
+    connection: HTTPConnection, parts: Annotated[Parts, Depends(parts_of)], _: Annotated[None, _SameSite]
+) -> Session:
+    """The caller's session, locked or expired as it may be; ServiceError NOT_SIGNED_IN or ORIGIN_REFUSED."""
     token = bearer_or_cookie(connection)
     session = parts.sessions.find(token) if token else None
     if session is None:
@@ -48,9 +57,10 @@ def current_session(session: Annotated[Session, Depends(any_session)]) -> Sessio
     return session
 
 
-def stop_caller(connection: HTTPConnection, parts: Annotated[Parts, Depends(parts_of)]) -> Session:
+def stop_caller(
+    connection: HTTPConnection, parts: Annotated[Parts, Depends(parts_of)], _: Annotated[None, _SameSite]
+) -> Session:
     """Everyone who has signed in, from memory alone: no database stands between a person and the stop."""
-    check_origin(connection, parts.settings.http.origins)
     token = bearer_or_cookie(connection)
     session = parts.sessions.remembered(token) if token else None
     if session is None:

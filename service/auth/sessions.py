@@ -5,6 +5,7 @@ import secrets
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 from uuid import uuid4
 
 import sqlalchemy as sa
@@ -87,10 +88,10 @@ class SessionStore:
         with self._database.write() as connection:
             connection.execute(sa.update(tables.sessions).where(tables.sessions.c.id == session_id).values(values))
 
-    def _session(self, row: sa.Row[tuple[object, ...]]) -> Session:
+    def _session(self, row: sa.Row[Any]) -> Session:
         return Session(row.id, row.user_id, row.name, Role(row.role), self._status(row), row.expires_at_s)
 
-    def _status(self, row: sa.Row[tuple[object, ...]]) -> SessionStatus:
+    def _status(self, row: sa.Row[Any]) -> SessionStatus:
         now_s = self._now_s()
         if now_s >= row.expires_at_s:
             return SessionStatus.EXPIRED
@@ -103,7 +104,7 @@ def _digest(token: str) -> str:
     return hashlib.sha256(token.encode()).hexdigest()
 
 
-def _rows(connection: Connection, *where: sa.ColumnElement[bool]) -> list[sa.Row[tuple[object, ...]]]:
+def _rows(connection: Connection, *where: sa.ColumnElement[bool]) -> list[sa.Row[Any]]:
     sessions, users = tables.sessions, tables.users
     alive = (sessions.c.revoked_at.is_(None), users.c.disabled_at.is_(None))
     query = sa.select(sessions, users.c.name, users.c.role).join(users, users.c.id == sessions.c.user_id)

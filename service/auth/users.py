@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from typing import Any
 from uuid import uuid4
 
 import sqlalchemy as sa
@@ -91,7 +92,7 @@ class UserStore:
             return False
 
 
-def _active(connection: Connection, condition: sa.ColumnElement[bool]) -> sa.Row[tuple[object, ...]] | None:
+def _active(connection: Connection, condition: sa.ColumnElement[bool]) -> sa.Row[Any] | None:
     return connection.execute(sa.select(tables.users).where(condition, tables.users.c.disabled_at.is_(None))).first()
 
 

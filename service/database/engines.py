@@ -13,6 +13,7 @@ import sqlalchemy as sa
 from sqlalchemy.engine import Connection, Engine
 from sqlalchemy.exc import DBAPIError, OperationalError
 
+from service.database.json_text import to_text
 from service.errors import ErrorCode, ServiceError
 
 _BUSY_S = 15.0
@@ -61,7 +62,9 @@ def open_database(url: str) -> Database:
 
 
 def _sqlite_engine(address: sa.URL, *, writes: bool) -> Engine:
-    engine = sa.create_engine(address, connect_args={"timeout": _BUSY_S, "check_same_thread": False})
+    engine = sa.create_engine(
+        address, json_serializer=to_text, connect_args={"timeout": _BUSY_S, "check_same_thread": False}
+    )
 
     @sa.event.listens_for(engine, "connect")
     def prepare(dbapi: Any, _record: Any) -> None:
@@ -69,6 +72,7 @@ def _sqlite_engine(address: sa.URL, *, writes: bool) -> Engine:
         _assert_pragma(dbapi, "journal_mode", "WAL", "wal")
         _assert_pragma(dbapi, "synchronous", "FULL", 2)  # H25: WAL at NORMAL lost commits in two thirds of power cuts
         _assert_pragma(dbapi, "foreign_keys", "ON", 1)
+        _assert_pragma(dbapi, "recursive_triggers", "ON", 1)  # else REPLACE deletes rows past the append-only triggers
         if not writes:
             _assert_pragma(dbapi, "query_only", "ON", 1)
 
@@ -88,7 +92,8 @@ def _assert_pragma(dbapi: Any, name: str, value: str, expected: object) -> None:
 
 def _postgresql_engine(address: sa.URL, *, writes: bool) -> Engine:
     options = {} if writes else {"postgresql_readonly": True}
-    engine = sa.create_engine(address, isolation_level="READ COMMITTED" if writes else "REPEATABLE READ")
+    level = "READ COMMITTED" if writes else "REPEATABLE READ"
+    engine = sa.create_engine(address, json_serializer=to_text, isolation_level=level)
     engine = engine.execution_options(**options)
     if writes:
 

@@ -18,6 +18,7 @@ metadata = sa.MetaData(
 
 # SQLite numbers rows by itself only in an INTEGER primary key.
 _RowNumber = BigInteger().with_variant(Integer, "sqlite")
+_OptionalJson = JSON(none_as_null=True)
 
 
 def _id() -> Column[str]:
@@ -175,8 +176,8 @@ verdicts = Table(
     Column("code", String, nullable=False),
     Column("hazard", String, nullable=False),
     Column("passed", Boolean, nullable=False),
-    Column("measured", JSON),
-    Column("limit", JSON),
+    Column("measured", _OptionalJson),
+    Column("limit", _OptionalJson),
     Column("unit", String, nullable=False),
     Column("message", String, nullable=False),
 )
@@ -212,7 +213,7 @@ images = Table(
     Column("duplicate_of", ForeignKey("images.id")),
     Column("patient_id", String),
     Column("study_uid", String),
-    Column("problem", JSON),
+    Column("problem", _OptionalJson),
     Column("source", JSON, nullable=False),
     Column("metadata", JSON, nullable=False),
     _at("received_at"),

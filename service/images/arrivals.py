@@ -31,4 +31,7 @@ class ImageArrivals:
         with self._lock:
             listeners = tuple(self._listeners)
         for listener in listeners:
-            listener(image_id)
+            try:
+                listener(image_id)
+            except Exception:  # noqa: BLE001  the bytes are committed: whatever a listener does, the sender is told so
+                _log.exception("image_listener_failed", image_id=image_id)

@@ -1,0 +1,131 @@
+"""Cases: open, list, read; what was attempted and what was recorded."""
+
+from dataclasses import asdict
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Query, Response
+from pydantic import BaseModel
+from sqlalchemy.engine import Connection
+
+from service.audit import list_audit
+from service.auth.dependencies import require
+from service.auth.permissions import Permission
+from service.auth.session import Session
+from service.cases import attempts, store
+from service.cases.idempotency import Intent, KeptAnswer, keep_answer, kept_answer
+from service.cases.opening import CaseToOpen, open_case
+from service.cases.preconditions import etag, intent
+from service.cases.records import StoredCase
+from service.errors import ErrorCode
+from service.openapi import may_fail_with
+from service.parts import Parts, parts_of
+
+router = APIRouter(tags=["cases"])
+Reader = Annotated[Session, Depends(require(Permission.READ))]
+AuditReader = Annotated[Session, Depends(require(Permission.READ_AUDIT))]
+PartsOfRoom = Annotated[Parts, Depends(parts_of)]
+
+
+class CaseView(BaseModel):
+    """A case with its state and version."""
+
+    id: str
+    room: str
+    patient_id: str
+    study_uid: str
+    opened_at: str
+    opened_by: str
+    product_version: str
+    settings_sha256: str
+    devices: dict[str, str]
+    state: str
+    version: int
+    sequence: int
+
+
+class CaseWithTargets(CaseView):
+    """A case with its planned targets by name."""
+
+    planned_targets: dict[str, Any]
+
+
+@router.post(
+    "/cases",
+    status_code=201,
+    openapi_extra=may_fail_with(
+        ErrorCode.CASE_OPEN,
+        ErrorCode.DEVICE_UNKNOWN,
+        ErrorCode.DEVICE_EXPIRED,
+        ErrorCode.IDEMPOTENCY_KEY_MISSING,
+        ErrorCode.IDEMPOTENCY_KEY_REUSED,
+    ),
+)
+def open_new_case(
+    body: CaseToOpen,
+    response: Response,
+    session: Annotated[Session, Depends(require(Permission.OPEN_CASE))],
+    meant: Annotated[Intent, Depends(intent)],
+    parts: PartsOfRoom,
+) -> CaseWithTargets:
+    """Open a case for one patient and study; the room can have one open case."""
+    with parts.database.write() as connection:
+        answer = kept_answer(connection, meant)
+        if answer is None:
+            event = open_case(connection, body, session, parts.settings)
+            view = _with_targets(connection, event.case_id)
+            answer = KeptAnswer(201, view.model_dump(), event.version)
+            keep_answer(connection, meant, answer)
+    response.headers["ETag"] = etag(answer.version or 0)
+    return CaseWithTargets(**answer.body)
+
+
+@router.get("/cases")
+def list_all_cases(_: Reader, parts: PartsOfRoom) -> list[CaseView]:
+    """Every case, newest first."""
+    with parts.database.read() as connection:
+        return [_view(connection, case) for case in store.list_cases(connection)]
+
+
+@router.get("/cases/{case_id}", openapi_extra=may_fail_with(ErrorCode.CASE_UNKNOWN))
+def read_one_case(case_id: str, response: Response, _: Reader, parts: PartsOfRoom) -> CaseWithTargets:
+    """One case with its planned targets."""
+    with parts.database.read() as connection:
+        view = _with_targets(connection, case_id)
+    response.headers["ETag"] = etag(view.version)
+    return view
+
+
+@router.get("/cases/{case_id}/audit", openapi_extra=may_fail_with(ErrorCode.CASE_UNKNOWN))
+def read_case_record(
+    case_id: str, _: AuditReader, parts: PartsOfRoom, after: Annotated[int, Query(ge=0)] = 0
+) -> list[dict[str, Any]]:
+    """The events of a case behind sequence `after`, each with the whole state after it."""
+    with parts.database.read() as connection:
+        store.read_case(connection, case_id)
+        return [asdict(event) for event in store.events_after(connection, case_id, after)]
+
+
+@router.get("/audit")
+def read_audit(_: AuditReader, parts: PartsOfRoom, after: Annotated[int, Query(ge=0)] = 0) -> list[dict[str, Any]]:
+    """Audit events that belong to no case, behind number `after`."""
+    with parts.database.read() as connection:
+        return list_audit(connection, after)
+
+
+@router.get("/interlocks")
+def read_interlocks(
+    _: AuditReader, parts: PartsOfRoom, case_id: Annotated[str | None, Query(alias="case")] = None
+) -> list[dict[str, Any]]:
+    """The newest attempts, accepted or refused, with the verdict of every interlock."""
+    with parts.database.read() as connection:
+        return attempts.list_attempts(connection, case_id)
+
+
+def _view(connection: Connection, case: StoredCase) -> CaseView:
+    last = store.newest_event(connection, case.id)
+    return CaseView(**asdict(case), state=last.state, version=last.version, sequence=last.sequence)
+
+
+def _with_targets(connection: Connection, case_id: str) -> CaseWithTargets:
+    view = _view(connection, store.read_case(connection, case_id))
+    return CaseWithTargets(**view.model_dump(), planned_targets=store.planned_targets(connection, case_id))

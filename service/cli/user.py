@@ -1,0 +1,82 @@
+"""`coaxial user`: who may sign in. The first user is made here, on the machine itself."""
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from service.auth.permissions import Role
+
+if TYPE_CHECKING:
+    from service.auth.users import UserStore
+
+user = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True)
+
+_REFUSED = 3
+ConfigOption = Annotated[Path | None, typer.Option(help="Settings file (TOML); COAXIAL_ variables win.")]
+DataFolderOption = Annotated[Path | None, typer.Option(help="Where the database is kept.")]
+
+
+@user.callback()
+def users() -> None:
+    """Who may sign in."""
+
+
+@user.command()
+def add(
+    name: Annotated[str, typer.Argument(help="Name to sign in with.")],
+    role: Annotated[Role, typer.Option(help="What the user may do.")],
+    config: ConfigOption = None,
+    data_folder: DataFolderOption = None,
+) -> None:
+    """Add a user; password and PIN from COAXIAL_PASSWORD and COAXIAL_PIN, else two lines of stdin, else asked for."""
+    password = _secret("COAXIAL_PASSWORD", "Password")
+    pin = _secret("COAXIAL_PIN", "PIN")
+    with _user_store(config, data_folder) as store:
+        added = store.add(name, role, password, pin)
+    typer.echo(f"added {added.name} as {added.role}")
+
+
+@user.command("list")
+def list_users(config: ConfigOption = None, data_folder: DataFolderOption = None) -> None:
+    """Every user who may sign in, with the role."""
+    with _user_store(config, data_folder) as store:
+        for one in store.list():
+            typer.echo(f"{one.name}\t{one.role}")
+
+
+@user.command()
+def disable(name: str, config: ConfigOption = None, data_folder: DataFolderOption = None) -> None:
+    """End a user's access and sessions; the records keep the name."""
+    with _user_store(config, data_folder) as store:
+        store.disable(name)
+    typer.echo(f"disabled {name}")
+
+
+@contextmanager
+def _user_store(config: Path | None, data_folder: Path | None) -> "Iterator[UserStore]":
+    from service.assembly import current_database
+    from service.auth.users import UserStore
+    from service.errors import ServiceError, answer_for
+    from service.settings import load_settings
+
+    overrides = {} if data_folder is None else {"data_folder": data_folder}
+    try:
+        with current_database(load_settings(config, overrides)) as database:
+            yield UserStore(database)
+    except ServiceError as error:
+        typer.echo(f"{error.code}: {error.message}. {answer_for(error.code).what_to_do}", err=True)
+        raise typer.Exit(_REFUSED) from error
+
+
+def _secret(variable: str, prompt: str) -> str:
+    """Never an argument: those are visible to every user of the machine."""
+    if variable in os.environ:
+        return os.environ[variable]
+    if sys.stdin.isatty():
+        return str(typer.prompt(prompt, hide_input=True, confirmation_prompt=True))
+    return sys.stdin.readline().rstrip("\n")

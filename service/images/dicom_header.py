@@ -1,0 +1,109 @@
+"""What an image says of itself without decoding a pixel, and whether its bytes are all there (H31)."""
+
+import hashlib
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+from pydicom import Dataset, dcmread
+
+from service.errors import ErrorCode, ServiceError
+from service.settings import DicomSettings
+
+# Words of DICOM and the keys under which metadata has them.
+_TEXTS = {
+    "Modality": "modality",
+    "AcquisitionDate": "acquisition_date",
+    "AcquisitionTime": "acquisition_time",
+    "ContentDate": "content_date",
+    "ContentTime": "content_time",
+    "StationName": "station",
+    "PhotometricInterpretation": "photometric_interpretation",
+    "SeriesInstanceUID": "series_uid",
+}
+_NUMBERS = {
+    "Rows": "rows",
+    "Columns": "columns",
+    "BitsStored": "bits",
+    "PositionerPrimaryAngle": "positioner_primary_deg",
+    "PositionerSecondaryAngle": "positioner_secondary_deg",
+    "DistanceSourceToDetector": "source_to_detector_mm",
+    "ImageAndFluoroscopyAreaDoseProduct": "dose_area_product_dgy_cm2",
+    "ExposureTime": "exposure_time_ms",
+    "KVP": "tube_voltage_kv",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class DicomHeader:
+    """Identity and metadata; `pixel_sha256` is over the pixel data as it was sent."""
+
+    sop_uid: str | None
+    patient_id: str | None
+    study_uid: str | None
+    pixel_sha256: str | None
+    metadata: dict[str, Any]
+
+
+EMPTY_HEADER = DicomHeader(None, None, None, None, {})
+
+
+def read_header(content: bytes, settings: DicomSettings) -> tuple[DicomHeader, ServiceError | None]:
+    """The header, as far as it can be read, and what is wrong with the image, if anything is."""
+    try:
+        dataset = dcmread(BytesIO(content), force=True)
+        header = _header(dataset)
+        return header, _problem(dataset, header, settings)
+    except Exception as error:  # noqa: BLE001  pydicom raises whatever hostile bytes lead it to
+        return EMPTY_HEADER, ServiceError(ErrorCode.NOT_AN_IMAGE, f"not readable as DICOM ({type(error).__name__})")
+
+
+def _header(dataset: Dataset) -> DicomHeader:
+    metadata: dict[str, Any] = {key: str(dataset[word].value) for word, key in _TEXTS.items() if _has(dataset, word)}
+    metadata |= {key: float(dataset[word].value) for word, key in _NUMBERS.items() if _has(dataset, word)}
+    metadata["frames"] = int(dataset.get("NumberOfFrames") or 1)
+    pixels = dataset.get("PixelData")
+    return DicomHeader(
+        sop_uid=_text(dataset, "SOPInstanceUID"),
+        patient_id=_text(dataset, "PatientID"),
+        study_uid=_text(dataset, "StudyInstanceUID"),
+        pixel_sha256=hashlib.sha256(pixels).hexdigest() if pixels else None,
+        metadata=metadata,
+    )
+
+
+def _problem(dataset: Dataset, header: DicomHeader, settings: DicomSettings) -> ServiceError | None:
+    rows, columns = (int(header.metadata.get(key, 0)) for key in ("rows", "columns"))
+    if not dataset.get("PixelData") or rows <= 0 or columns <= 0 or header.sop_uid is None:
+        return ServiceError(ErrorCode.NOT_AN_IMAGE, "no SOP instance UID, no pixel data, or no size")
+    if rows * columns * int(header.metadata["frames"]) > settings.max_pixels:
+        return ServiceError(
+            ErrorCode.IMAGE_BYTES_TOO_LARGE, "too many pixels", measured=rows * columns, limit=settings.max_pixels
+        )
+    if min(rows, columns) < settings.min_side_px:
+        return ServiceError(
+            ErrorCode.IMAGE_TOO_SMALL,
+            "a side is too short, in pixels",
+            measured=min(rows, columns),
+            limit=settings.min_side_px,
+        )
+    return _truncation(dataset, rows * columns * int(header.metadata["frames"]))
+
+
+def _truncation(dataset: Dataset, pixels: int) -> ServiceError | None:
+    syntax = getattr(dataset.file_meta, "TransferSyntaxUID", None)
+    if syntax is None or syntax.is_encapsulated:
+        return None  # only decoding can tell, which the image worker does
+    expected = pixels * int(dataset.get("SamplesPerPixel", 1)) * int(dataset.get("BitsAllocated", 8)) // 8
+    found = len(dataset.PixelData)
+    if found >= expected:
+        return None
+    return ServiceError(ErrorCode.IMAGE_TRUNCATED, "pixel bytes are missing", measured=found, limit=expected)
+
+
+def _has(dataset: Dataset, word: str) -> bool:
+    return word in dataset and dataset[word].value not in (None, "")
+
+
+def _text(dataset: Dataset, word: str) -> str | None:
+    return str(dataset[word].value).strip() or None if _has(dataset, word) else None

@@ -1,0 +1,113 @@
+"""The DICOM receiver: answers success only after the bytes are committed; decoding comes later, elsewhere."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import structlog
+from pydicom import Dataset
+from pynetdicom import AE, AllStoragePresentationContexts, evt
+from pynetdicom.sop_class import Verification
+from pynetdicom.transport import ThreadedAssociationServer
+from sqlalchemy.exc import SQLAlchemyError
+
+from service.database.engines import Database
+from service.errors import ErrorCode, ServiceError
+from service.images import store
+from service.images.arrivals import ImageArrivals
+from service.images.dicom_header import read_header
+from service.settings import DicomSettings
+
+_log = structlog.get_logger(__name__)
+
+# DICOM PS3.4, C-STORE: success; out of resources; cannot understand.
+_SUCCESS, _OUT_OF_RESOURCES, _CANNOT_UNDERSTAND = 0x0000, 0xA700, 0xC000
+# Room for the headers of the protocol's own units around a largest image.
+_PROTOCOL_OVERHEAD = 1.05
+_TIMEOUT_S = 30.0
+_UNCOMPRESSED = ("1.2.840.10008.1.2.1", "1.2.840.10008.1.2", "1.2.840.10008.1.2.2")
+# RLE; JPEG baseline, extended, lossless (two), LS (two), 2000 (two): what the image worker can decode.
+_COMPRESSED = (
+    "1.2.840.10008.1.2.5",
+    *(f"1.2.840.10008.1.2.4.{one}" for one in (50, 51, 57, 70, 80, 81, 90, 91)),
+)
+
+
+class DicomReceiver:
+    """A C-STORE and C-ECHO provider in threads of its own."""
+
+    def __init__(self, settings: DicomSettings, database: Database, arrivals: ImageArrivals) -> None:
+        self._settings = settings
+        self._database = database
+        self._arrivals = arrivals
+
+    @contextmanager
+    def listening(self) -> Iterator[int]:
+        """Receive until the end of the block; yields the port, which matters where the settings say 0."""
+        entity = AE(ae_title=self._settings.ae_title)
+        for context in AllStoragePresentationContexts:
+            entity.add_supported_context(context.abstract_syntax, [*_UNCOMPRESSED, *_COMPRESSED])
+        entity.add_supported_context(Verification)
+        entity.require_calling_aet = list(self._settings.accepted_callers)
+        entity.acse_timeout = entity.dimse_timeout = entity.network_timeout = _TIMEOUT_S
+        server = entity.start_server(
+            (self._settings.host, self._settings.port),
+            block=False,
+            evt_handlers=[
+                (evt.EVT_C_STORE, self._on_store),
+                (evt.EVT_DATA_RECV, self._on_data),
+                (evt.EVT_REJECTED, self._on_rejected),
+            ],
+        )
+        try:
+            yield _port(server)
+        finally:
+            server.shutdown()
+
+    def _on_data(self, event: Any) -> None:
+        """Count bytes of the message under way, and hang up before memory is full (H31)."""
+        received = getattr(event.assoc, "coaxial_bytes", 0) + len(event.data)
+        event.assoc.coaxial_bytes = received
+        if received > self._settings.max_image_bytes * _PROTOCOL_OVERHEAD and not event.assoc.is_aborted:
+            limit = self._settings.max_image_bytes
+            _log.warning("image_refused", code=ErrorCode.IMAGE_BYTES_TOO_LARGE, measured=received, limit=limit)
+            event.assoc.abort()
+
+    def _on_rejected(self, event: Any) -> None:
+        _log.warning("dicom_caller_refused", calling_ae=event.assoc.requestor.ae_title)
+
+    def _on_store(self, event: Any) -> Dataset:
+        event.assoc.coaxial_bytes = 0
+        caller = {"calling_ae": event.assoc.requestor.ae_title, "address": event.assoc.requestor.address}
+        try:
+            image = self.receive(event.encoded_dataset(), caller)
+        except ServiceError as error:
+            _log.error("image_not_stored", code=error.code)
+            return _answer(_OUT_OF_RESOURCES, error.code)
+        except SQLAlchemyError:
+            _log.exception("image_not_stored", code=ErrorCode.DATABASE_FAULT)
+            return _answer(_OUT_OF_RESOURCES, ErrorCode.DATABASE_FAULT)
+        return _answer(_CANNOT_UNDERSTAND, image.problem["code"]) if image.problem else _answer(_SUCCESS, "")
+
+    def receive(self, content: bytes, source: dict[str, Any]) -> store.StoredImage:
+        """Commit the bytes, then tell of them; ServiceError where they could not be committed."""
+        header, problem = read_header(content, self._settings)
+        with self._database.write() as connection:
+            image = store.add_image(connection, content, header, problem, source)
+        _log.info("image_stored", image_id=image.id, duplicate=image.duplicate_of is not None)
+        if problem is not None:
+            _log.warning("image_refused", image_id=image.id, code=problem.code)
+        self._arrivals.announce(image.id)
+        return image
+
+
+def _answer(status: int, comment: str) -> Dataset:
+    answer = Dataset()
+    answer.Status = status
+    if comment:
+        answer.ErrorComment = comment
+    return answer
+
+
+def _port(server: ThreadedAssociationServer) -> int:
+    return int(server.socket.getsockname()[1])

@@ -1,0 +1,74 @@
+"""Images: list, metadata, original bytes."""
+
+from dataclasses import asdict
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Query, Response
+from pydantic import BaseModel
+from sqlalchemy.engine import Connection
+
+from service.auth.dependencies import require
+from service.auth.permissions import Permission
+from service.auth.session import Session
+from service.errors import ErrorCode
+from service.images import store
+from service.images.store import StoredImage
+from service.openapi import may_fail_with
+from service.parts import Parts, parts_of
+
+router = APIRouter(tags=["images"])
+Reader = Annotated[Session, Depends(require(Permission.READ))]
+PartsOfRoom = Annotated[Parts, Depends(parts_of)]
+
+
+class ImageView(BaseModel):
+    """An image without its bytes; `purpose` is null while nobody has decided."""
+
+    id: str
+    position: int
+    sha256: str
+    sop_uid: str | None
+    pixel_sha256: str | None
+    duplicate_of: str | None
+    patient_id: str | None
+    study_uid: str | None
+    problem: dict[str, Any] | None
+    source: dict[str, Any]
+    metadata: dict[str, Any]
+    received_at: str
+    purpose: str | None
+    case_id: str | None
+
+
+@router.get("/images")
+def list_newest_images(
+    _: Reader, parts: PartsOfRoom, case_id: Annotated[str | None, Query(alias="case")] = None
+) -> list[ImageView]:
+    """The newest images, of one case if named, newest first."""
+    with parts.database.read() as connection:
+        return [_view(connection, image) for image in store.list_images(connection, case_id)]
+
+
+@router.get("/images/{image_id}", openapi_extra=may_fail_with(ErrorCode.IMAGE_UNKNOWN))
+def read_one_image(image_id: str, _: Reader, parts: PartsOfRoom) -> ImageView:
+    """One image's metadata."""
+    with parts.database.read() as connection:
+        return _view(connection, store.read_image(connection, image_id))
+
+
+@router.get(
+    "/images/{image_id}/original", response_class=Response, openapi_extra=may_fail_with(ErrorCode.IMAGE_UNKNOWN)
+)
+def read_original(image_id: str, _: Reader, parts: PartsOfRoom) -> Response:
+    """The bytes as they arrived, checked against their hash."""
+    with parts.database.read() as connection:
+        return Response(store.original_bytes(connection, image_id), media_type="application/dicom")
+
+
+def _view(connection: Connection, image: StoredImage) -> ImageView:
+    purpose = store.purpose_of(connection, image.id)
+    return ImageView(
+        **asdict(image),
+        purpose=purpose.purpose if purpose else None,
+        case_id=purpose.case_id if purpose else None,
+    )

@@ -1,0 +1,163 @@
+"""Every image that arrived, to the byte, usable or not; nothing is ever replaced."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+from uuid import uuid4
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection
+
+from service.database import tables
+from service.database.clock import now_utc
+from service.errors import ErrorCode, ServiceError
+from service.images.dicom_header import DicomHeader
+
+
+@dataclass(frozen=True, slots=True)
+class StoredImage:
+    """An image without its bytes.
+
+    `position` counts arrivals; `duplicate_of` is the first image with the same SOP UID or the same pixels (H02);
+    `problem` (code, message, measured, limit) says why it is no usable X-ray.
+    """
+
+    id: str
+    position: int
+    sha256: str
+    sop_uid: str | None
+    pixel_sha256: str | None
+    duplicate_of: str | None
+    patient_id: str | None
+    study_uid: str | None
+    problem: Mapping[str, Any] | None
+    source: Mapping[str, Any]
+    metadata: Mapping[str, Any]
+    received_at: str
+
+
+@dataclass(frozen=True, slots=True)
+class NewPurpose:
+    """What an image turned out to be for; `arm` is its pose and joints during the exposure, as the guard told."""
+
+    image_id: str
+    case_id: str | None
+    purpose: str
+    arm: Mapping[str, Any]
+    verdicts: tuple[Mapping[str, Any], ...]
+
+
+def add_image(
+    connection: Connection,
+    content: bytes,
+    header: DicomHeader,
+    problem: ServiceError | None,
+    source: Mapping[str, Any],
+) -> StoredImage:
+    """Store the bytes, once however often they come, and this arrival of them."""
+    sha256 = hashlib.sha256(content).hexdigest()
+    if connection.execute(sa.select(1).where(tables.image_bytes.c.sha256 == sha256)).first() is None:
+        connection.execute(sa.insert(tables.image_bytes).values(sha256=sha256, content=content))
+    image = StoredImage(
+        id=uuid4().hex,
+        position=count_images(connection) + 1,
+        sha256=sha256,
+        sop_uid=header.sop_uid,
+        pixel_sha256=header.pixel_sha256,
+        duplicate_of=_first_like(connection, header, sha256),
+        patient_id=header.patient_id,
+        study_uid=header.study_uid,
+        problem=_problem_json(problem),
+        source=dict(source),
+        metadata=header.metadata,
+        received_at=now_utc(),
+    )
+    values = {name: getattr(image, name) for name in StoredImage.__slots__}
+    connection.execute(sa.insert(tables.images).values(values))
+    return image
+
+
+def read_image(connection: Connection, image_id: str) -> StoredImage:
+    """One image; ServiceError IMAGE_UNKNOWN."""
+    row = connection.execute(sa.select(tables.images).where(tables.images.c.id == image_id)).first()
+    if row is None:
+        raise ServiceError(ErrorCode.IMAGE_UNKNOWN, f"there is no image {image_id}")
+    return StoredImage(**row._mapping)
+
+
+def original_bytes(connection: Connection, image_id: str) -> bytes:
+    """The bytes as they arrived; ServiceError IMAGE_UNKNOWN, or DATABASE_FAULT where they are not those any more."""
+    image = read_image(connection, image_id)
+    query = sa.select(tables.image_bytes.c.content).where(tables.image_bytes.c.sha256 == image.sha256)
+    content: bytes = connection.execute(query).scalar_one()
+    if hashlib.sha256(content).hexdigest() != image.sha256:
+        raise ServiceError(ErrorCode.DATABASE_FAULT, f"the stored bytes of image {image_id} have changed")
+    return content
+
+
+def list_images(connection: Connection, case_id: str | None = None, limit: int = 500) -> list[StoredImage]:
+    """The newest images (of a case, those that were given a purpose in it), newest first."""
+    query = sa.select(tables.images).order_by(tables.images.c.position.desc()).limit(limit)
+    if case_id is not None:
+        purposes = tables.image_purposes
+        query = query.join(purposes, purposes.c.image_id == tables.images.c.id).where(purposes.c.case_id == case_id)
+    return [StoredImage(**row._mapping) for row in connection.execute(query)]
+
+
+def count_images(connection: Connection) -> int:
+    """How many images have arrived."""
+    return connection.execute(sa.select(sa.func.max(tables.images.c.position))).scalar() or 0
+
+
+def assign_purpose(connection: Connection, purpose: NewPurpose) -> None:
+    """Record what an image is for; once per image."""
+    connection.execute(
+        sa.insert(tables.image_purposes).values(
+            image_id=purpose.image_id,
+            case_id=purpose.case_id,
+            purpose=purpose.purpose,
+            arm=dict(purpose.arm),
+            verdicts=[dict(verdict) for verdict in purpose.verdicts],
+            recorded_at=now_utc(),
+        )
+    )
+
+
+def purpose_of(connection: Connection, image_id: str) -> NewPurpose | None:
+    """What an image is for; None while nobody has decided."""
+    purposes = tables.image_purposes
+    row = connection.execute(sa.select(purposes).where(purposes.c.image_id == image_id)).first()
+    if row is None:
+        return None
+    return NewPurpose(row.image_id, row.case_id, row.purpose, row.arm, tuple(row.verdicts))
+
+
+def images_without_purpose(connection: Connection) -> list[str]:
+    """Ids of images that arrived while nobody could decide (a crash between), oldest first."""
+    images, purposes = tables.images, tables.image_purposes
+    query = sa.select(images.c.id).outerjoin(purposes, purposes.c.image_id == images.c.id)
+    rows = connection.execute(query.where(purposes.c.image_id.is_(None)).order_by(images.c.position))
+    return list(rows.scalars())
+
+
+def _first_like(connection: Connection, header: DicomHeader, sha256: str) -> str | None:
+    images = tables.images
+    alike = [images.c.sha256 == sha256]
+    if header.sop_uid is not None:
+        alike.append(images.c.sop_uid == header.sop_uid)
+    if header.pixel_sha256 is not None:
+        alike.append(images.c.pixel_sha256 == header.pixel_sha256)
+    query = sa.select(images.c.id).where(sa.or_(*alike)).order_by(images.c.position).limit(1)
+    return connection.execute(query).scalar()
+
+
+def _problem_json(problem: ServiceError | None) -> dict[str, Any] | None:
+    if problem is None:
+        return None
+    return {
+        "code": problem.code,
+        "message": problem.message,
+        "measured": problem.measured,
+        "limit": problem.limit,
+    }

@@ -1,0 +1,67 @@
+"""Whether the service is up, and what the room has: the part of the status that belongs to no case."""
+
+import shutil
+from typing import Annotated
+
+from fastapi import APIRouter, Depends
+from pydantic import BaseModel
+
+from service.auth.dependencies import require
+from service.auth.permissions import Permission
+from service.auth.session import Session
+from service.cases import store
+from service.images.store import count_images
+from service.parts import Parts, parts_of
+from service.version import PRODUCT_VERSION
+
+router = APIRouter(tags=["status"])
+
+
+class Health(BaseModel):
+    """Up."""
+
+    status: str
+    version: str
+
+
+class RoomStatus(BaseModel):
+    """The room as the service sees it; the arm and the case have a status of their own at the case."""
+
+    version: str
+    room: str
+    open_case: str | None
+    images: int
+    free_bytes: int
+    min_free_bytes: int
+    dicom_ae_title: str
+    dicom_port: int
+    arm_address: str | None
+    settings_sha256: str
+
+
+@router.get("/health")
+def read_health() -> Health:
+    """Whether the service answers; needs no sign-in and tells nothing else."""
+    return Health(status="up", version=PRODUCT_VERSION)
+
+
+@router.get("/status")
+def read_room_status(
+    _: Annotated[Session, Depends(require(Permission.READ))], parts: Annotated[Parts, Depends(parts_of)]
+) -> RoomStatus:
+    """The room: its open case, images so far, disk, receiver and arm address."""
+    settings = parts.settings
+    with parts.database.read() as connection:
+        open_case, images = store.open_case_of(connection, settings.room), count_images(connection)
+    return RoomStatus(
+        version=PRODUCT_VERSION,
+        room=settings.room,
+        open_case=open_case,
+        images=images,
+        free_bytes=shutil.disk_usage(settings.data_folder).free,
+        min_free_bytes=settings.min_free_bytes,
+        dicom_ae_title=settings.dicom.ae_title,
+        dicom_port=parts.dicom_port,
+        arm_address=settings.arm_address,
+        settings_sha256=settings.fingerprint(),
+    )

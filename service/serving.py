@@ -1,0 +1,47 @@
+"""One uvicorn process on the settings' address."""
+
+import asyncio
+import signal
+import socket
+
+import uvicorn
+
+from service.app import create_app
+from service.settings import Settings
+
+
+class _Server(uvicorn.Server):
+    """Tells the address once the socket listens."""
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Listen, then print where: port 0 means that nobody knows before."""
+        await super().startup(sockets)
+        if self.started:
+            host, port = self.servers[0].sockets[0].getsockname()[:2]
+            print(f"Coaxial listens on http://{host}:{port}", flush=True)
+
+
+def run(settings: Settings) -> None:
+    """Serve until interrupted; ServiceError where a part refuses to start."""
+    asyncio.run(_serve(settings))
+
+
+async def _serve(settings: Settings) -> None:
+    app = create_app(settings)
+    config = uvicorn.Config(
+        app,
+        host=settings.http.host,
+        port=settings.http.port,
+        lifespan="off",  # entered here, so that a refusal to start reaches the caller with its type
+        log_config=None,
+        access_log=False,
+        # An open event stream would hold the service up for ever; stopping the arm never waits for this.
+        timeout_graceful_shutdown=settings.http.shutdown_grace_s,
+        ws_max_size=settings.http.max_body_bytes,
+        server_header=False,
+    )
+    async with app.router.lifespan_context(app):
+        # uvicorn raises the signal that ended it once more; the default action would skip the parts' own ending.
+        for ending in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(ending, lambda *_: None)
+        await _Server(config).serve()

@@ -1,0 +1,73 @@
+"""What the image worker can do: functions of `vision` on bytes, answers as JSON. Runs in the worker process only.
+
+The shapes are those of the command line: a refusal is `{"status": "refused", "reason": {...}}`.
+"""
+
+import hashlib
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from vision.registration import register as register_image
+from vision.xray import decode
+
+from vision import carm_angles as angles
+from vision.devices import read_carm, read_guide
+from vision.evaluation import evaluate as evaluate_image
+from vision.refusal import Refusal
+from vision.registered import PixelSpace
+from vision.registration_json import from_json, to_json
+from vision.result_json import carm_angles_to_json, evaluation_to_json, refusal_to_json, targeting_to_json
+from vision.targeting import target as aim
+
+Json = dict[str, Any]
+
+
+def register(image: bytes, guide: bytes, carm: bytes) -> Json:
+    """Find the guide in an image."""
+    decoded = decode(image)
+    result = decoded if isinstance(decoded, Refusal) else register_image(decoded, read_guide(guide), read_carm(carm))
+    return refusal_to_json(result) if isinstance(result, Refusal) else to_json(result)
+
+
+def target(registration: Json, pixel: tuple[float, float], space: str, depth_mm: float) -> Json:
+    """Where the guide must go."""
+    result = aim(from_json(registration), pixel, PixelSpace(space), depth_mm)
+    return refusal_to_json(result) if isinstance(result, Refusal) else targeting_to_json(result)
+
+
+def evaluate(image: bytes, guide: bytes, carm: bytes, pixel: tuple[float, float], space: str, depth_mm: float) -> Json:
+    """How well the guide points, with the contour registration of this image for a correction."""
+    decoded = decode(image)
+    if isinstance(decoded, Refusal):
+        return refusal_to_json(decoded)
+    result = evaluate_image(decoded, read_guide(guide), read_carm(carm), pixel, PixelSpace(space), depth_mm)
+    if isinstance(result, Refusal):
+        return refusal_to_json(result)
+    return evaluation_to_json(result) | {"registration": to_json(result.registration)}
+
+
+def carm_angles(entry_mm: tuple[float, ...], target_mm: tuple[float, ...], position: str) -> Json:
+    """The C-arm's angles in which a planned path projects to a point (patient LPS)."""
+    result = angles.carm_angles(np.array(entry_mm), np.array(target_mm), angles.Position(position))
+    return refusal_to_json(result) if isinstance(result, Refusal) else carm_angles_to_json(result)
+
+
+def describe(image: bytes) -> Json:
+    """What decoding says of an image."""
+    decoded = decode(image)
+    if isinstance(decoded, Refusal):
+        return refusal_to_json(decoded)
+    pixels = np.ascontiguousarray(decoded.pixels)
+    return {
+        "status": "decoded",
+        "rows": decoded.rows,
+        "columns": decoded.columns,
+        "bits": decoded.bits,
+        "pixel_sha256": hashlib.sha256(pixels.tobytes()).hexdigest(),
+    }
+
+
+JOBS: dict[str, Callable[..., Json]] = {
+    job.__name__: job for job in (register, target, evaluate, carm_angles, describe)
+}
