@@ -19,6 +19,7 @@ STOPPING_TIME_S = 0.1
 _JOG_ACCELERATION_MM_S2 = 500.0
 _JOG_ACCELERATION_RAD_S2 = 2.0
 _PUSH_SPEED_MM_S = 50.0
+_SETTLING_TRAVEL_MM = 2.0  # a shorter motion keeps part of the offset that it started with
 _SLOWEST_MM_S = 1.0  # below this a joint motion stops in a time of its own, whatever its TCP does
 
 
@@ -134,10 +135,15 @@ class Arm:
         if self._motion is not None:
             self._motion.ramp.length *= fraction
 
-    def brake(self) -> None:
-        """Slow down along the path, to rest within the stopping time."""
-        if self._motion is not None and not self._motion.ramp.braking:
-            self._motion.ramp.brake(self._motion.ramp.speed / STOPPING_TIME_S)
+    def hold(self) -> None:
+        """Come to rest on the path within the stopping time; `release` goes on from there."""
+        if self._motion is not None:
+            self._motion.ramp.hold(STOPPING_TIME_S)
+
+    def release(self) -> None:
+        """Go on with a motion that was held."""
+        if self._motion is not None:
+            self._motion.ramp.release()
 
     def brake_linear(self, deceleration_mm_s2: float) -> None:
         """Slow down along the path, as stopl does."""
@@ -160,11 +166,6 @@ class Arm:
         self._motion.path = path
         self._motion.ramp = Ramp(path.length, fastest, deceleration_rad_s2, fastest)
         self._motion.offset_before_rad = self._motion.offset_after_rad = self._offset_rad
-
-    def resume(self) -> None:
-        """Go on with a motion that was braked."""
-        if self._motion is not None:
-            self._motion.ramp.resume()
 
     def drop_motion(self) -> None:
         """Forget the motion; the joints stay where they are."""
@@ -190,7 +191,9 @@ class Arm:
         return True
 
     def _begin(self, path: Path, ramp: Ramp) -> None:
-        self._motion = Motion(path, ramp, self._offset_rad, self._draw_offset())
+        settled = min(1.0, path.travel_mm / _SETTLING_TRAVEL_MM)
+        after = self._offset_rad + settled * (self._draw_offset() - self._offset_rad)
+        self._motion = Motion(path, ramp, self._offset_rad, after)
 
     def _record(self, joints_rad: Array, cycle_s: float) -> None:
         speeds = (joints_rad - self.joints_rad) / cycle_s

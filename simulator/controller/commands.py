@@ -49,7 +49,7 @@ def _present(program: "ControlProgram") -> tuple[float, ...]:
 def _until_rest(program: "ControlProgram") -> Iterator[None]:
     """A new command waits here until the arm has braked from the one before."""
     arm = program.core.arm
-    arm.brake()
+    arm.hold()
     while not arm.at_rest:
         yield
     arm.drop_motion()

@@ -33,7 +33,7 @@ class ControllerCore:
     def __init__(self, settings: ControllerSettings) -> None:
         self.settings = settings
         self.arm = Arm(settings)
-        self.safety = Safety()
+        self.safety = Safety(settings.emergency_robot_mode)
         self.registers = Registers()
         self.watchdog = Watchdog()
         self.log = WireLog()
@@ -79,14 +79,14 @@ class ControllerCore:
         self.watchdog.disarm()
         self._program = None
         self._next_upload = None
-        self.arm.brake()
+        self.arm.hold()
         self.runtime_state = RuntimeState.STOPPING
 
     def pause(self) -> bool:
         """Hold the program and brake its motion; False unless one is playing."""
         if self.runtime_state is not RuntimeState.PLAYING:
             return False
-        self.arm.brake()
+        self.arm.hold()
         self.runtime_state = RuntimeState.PAUSING
         return True
 
@@ -94,7 +94,7 @@ class ControllerCore:
         """Go on with a held program, its motion included; False where there is none or the arm may not move."""
         if self.runtime_state not in _PAUSED_STATES or not self.safety.may_move:
             return False
-        self.arm.resume()
+        self.arm.release()
         self.watchdog.feed(self.time_s)
         self.runtime_state = RuntimeState.PLAYING
         return True
@@ -180,7 +180,7 @@ class ControllerCore:
         else:
             self.pause()
         if self.runtime_state is RuntimeState.STOPPED and self.arm.moving:
-            self.arm.brake()  # a jog
+            self.arm.hold()  # a jog
 
     def _watchdog_bites(self) -> None:
         if self.settings.watchdog_outcome is WatchdogOutcome.PROTECTIVE_STOP:

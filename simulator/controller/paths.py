@@ -12,12 +12,19 @@ from simulator.controller.poses import inverse
 Array = NDArray[np.float64]
 
 
+_TYPICAL_REACH_MM = 500.0  # of the tool from a joint's axis
+
+
 class Path(Protocol):
     """A curve through joint space, measured in the unit of its speed."""
 
     @property
     def length(self) -> float:
         """From start to end."""
+
+    @property
+    def travel_mm(self) -> float:
+        """About how far the tool goes."""
 
     def joints_at(self, position: float, seed_rad: Array) -> Array | None:
         """Joint angles (6,) at a position along the path, or None where the arm cannot follow."""
@@ -43,6 +50,7 @@ class LinearPath:
         difference = kinematics.pose_difference(base_from_start, base_from_goal)
         self._shift_mm, self._turn_rad = difference[:3], difference[3:]
         self.length = float(max(np.linalg.norm(self._shift_mm), lever_mm * np.linalg.norm(self._turn_rad)))
+        self.travel_mm = self.length
 
     def joints_at(self, position: float, seed_rad: Array) -> Array | None:
         """By seeded inverse kinematics of the nominal arm."""
@@ -59,6 +67,7 @@ class JointPath:
     def __init__(self, start_rad: Array, goal_rad: Array) -> None:
         self._start, self._difference = np.array(start_rad), goal_rad - start_rad
         self.length = float(np.abs(self._difference).max())
+        self.travel_mm = self.length * _TYPICAL_REACH_MM
 
     def joints_at(self, position: float, seed_rad: Array) -> Array | None:
         """By interpolation; needs no seed."""

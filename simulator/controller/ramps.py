@@ -16,7 +16,9 @@ class Ramp:
         self.speed = speed
         self._cruise = cruise
         self._acceleration = acceleration
-        self._deceleration: float | None = None
+        self._braking = 0.0
+        self._holding = 0.0
+        self._held = False
 
     @property
     def at_rest(self) -> bool:
@@ -28,25 +30,25 @@ class Ramp:
         """Whether the end of the path is reached."""
         return self.position >= self.length
 
-    @property
-    def braking(self) -> bool:
-        """Whether a stop was asked for."""
-        return self._deceleration is not None
-
     def brake(self, deceleration: float) -> None:
-        """Slow down to rest from the next cycle on."""
-        self._deceleration = deceleration
+        """End the motion: slow down to rest from the next cycle on."""
+        self._braking = max(self._braking, deceleration)
 
-    def resume(self) -> None:
-        """Go on towards the end after a brake."""
-        self._deceleration = None
+    def hold(self, within_s: float) -> None:
+        """Interrupt the motion: slow down to rest in this time."""
+        self._holding = max(self._holding, self.speed / within_s)
+        self._held = True
+
+    def release(self) -> None:
+        """Go on after a hold, unless the motion was ended."""
+        self._holding, self._held = 0.0, False
 
     def advance(self, cycle_s: float, scaling: float = 1.0) -> None:
         """Move on by one cycle."""
         if self.arrived:
             self.speed = 0.0
-        elif self._deceleration is not None:
-            self._step(max(0.0, self.speed - self._deceleration * cycle_s), cycle_s)
+        elif self._held or self._braking > 0.0:
+            self._step(max(0.0, self.speed - max(self._holding, self._braking) * cycle_s), cycle_s)
         else:
             self._approach(cycle_s, scaling)
 

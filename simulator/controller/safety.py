@@ -37,7 +37,12 @@ _BITS = {
 class Safety:
     """The present stop, if any, and the arm's power; time is the controller's."""
 
-    def __init__(self) -> None:
+    def __init__(self, emergency_robot_mode: RobotMode) -> None:
+        self._emergency_robot_mode = emergency_robot_mode
+        self.reset()
+
+    def reset(self) -> None:
+        """As when a person has released and powered everything."""
         self.mode = SafetyMode.NORMAL
         self.robot_mode = RobotMode.RUNNING
         self._protective_since_s: float | None = None
@@ -67,7 +72,7 @@ class Safety:
         if self.mode in _RESTARTS:
             self._restart_needed = self.mode
         if self.mode in _POWER_CUTS:
-            self.robot_mode, self._power_change = RobotMode.POWER_OFF, None
+            self.robot_mode, self._power_change = self._emergency_robot_mode, None
         elif self._power_change is not None and now_s >= self._power_change[0]:
             self.robot_mode, self._power_change = self._power_change[1], None
 
@@ -101,10 +106,6 @@ class Safety:
         """Begin to release the brakes; powers the arm first if need be."""
         if self.robot_mode is not RobotMode.RUNNING and self.mode not in _POWER_CUTS:
             self._power_change = (now_s + POWER_CHANGE_S, RobotMode.RUNNING)
-
-    def reset(self) -> None:
-        """As after a person has released everything."""
-        self.__init__()  # type: ignore[misc]  # the initial state is the released one
 
     def _gravest(self, faults: frozenset[Fault]) -> SafetyMode:
         latched: set[SafetyMode] = {

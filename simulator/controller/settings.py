@@ -6,7 +6,7 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.controller.states import WatchdogOutcome
+from simulator.controller.states import RobotMode, WatchdogOutcome
 
 PARKED_RAD = tuple(radians(angle) for angle in (0.0, -90.0, 90.0, -90.0, -90.0, 0.0))
 
@@ -41,6 +41,7 @@ class ControllerSettings:
     version: tuple[int, int, int, int] = (3, 15, 8, 106339)
     protective_stop_pauses: bool = True  # False: the program is stopped instead
     watchdog_outcome: WatchdogOutcome = WatchdogOutcome.STOP_PROGRAM
+    emergency_robot_mode: RobotMode = RobotMode.POWER_OFF
     input_registers_exclusive: bool = True  # a second client that asks for them gets IN_USE
     tool_lever_mm: float = 100.0  # a linear move turns at most at speed / lever
 
