@@ -88,6 +88,9 @@ class Arm(Protocol):
     def send_stop(self) -> bool:
         """Put a stop on the wire at once; True if it was written."""
 
+    def stop_script(self) -> None:
+        """End the control script over its own connection, beside `send_stop`; harmless without control."""
+
     def give_up_control(self) -> None:
         """Stop the control script and close its connection; harmless without control."""
 

@@ -38,7 +38,7 @@ class DashboardLink:
         if self._socket is None:
             return False
         try:
-            while self._socket.recv(4096, socket.MSG_DONTWAIT):
+            while self._socket.recv(4096):
                 pass
         except BlockingIOError:
             return True
@@ -51,6 +51,7 @@ class DashboardLink:
         try:
             self._socket = socket.create_connection((self._address, DASHBOARD_PORT), _CONNECT_S)
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._socket.setblocking(False)  # five bytes always fit: a full buffer means that nobody reads them
         except OSError:
             self._drop()
             return False

@@ -27,6 +27,8 @@ class RefusalCode(StrEnum):
     TCP_MISMATCH = "tcp_mismatch"
     PAYLOAD_MISMATCH = "payload_mismatch"
     SPEED_ABOVE_CAP = "speed_above_cap"
+    STOPPED = "stopped"
+    JOURNAL_UNWRITABLE = "journal_unwritable"
     CONTROLLER_REFUSED = "controller_refused"
 
 

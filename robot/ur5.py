@@ -6,6 +6,7 @@ It stays out of the library's known traps: control only while a motion is held, 
 
 import socket
 import time
+from threading import Thread
 
 import numpy as np
 from rtde_control import RTDEControlInterface
@@ -22,6 +23,7 @@ RTDE_PORT = 30004
 _PROBE_S = 0.3
 _RUNTIME_STOPPED = (0, 1)  # stopping, stopped; a paused program could be resumed and counts as running
 _TORN_READS = 3
+_CLOSING_S = 2.0
 
 
 class UR5:
@@ -32,6 +34,8 @@ class UR5:
         self._dashboard = DashboardLink(address)
         self._receive: RTDEReceiveInterface | None = None
         self._control: RTDEControlInterface | None = None
+        self._closing: Thread | None = None
+        self._closed: list[RTDEControlInterface] = []
         self._read_time_s = -1.0
 
     def connect(self) -> bool:
@@ -75,6 +79,7 @@ class UR5:
         """
         if not self._answers():
             raise ArmUnreachableError(f"the controller at {self._address} does not answer")
+        self._await_closing()
         try:
             self._control = RTDEControlInterface(self._address)
             armed = self._control.isProgramRunning() and self._control.setWatchdog(watchdog_hz)
@@ -105,13 +110,23 @@ class UR5:
         """Stop whatever program runs, by the dashboard: one write, from any thread."""
         return self._dashboard.send_stop()
 
+    def stop_script(self) -> None:
+        """End the control script over its own connection; harmless without control."""
+        if self._control is not None and self._control.isConnected():
+            self._control.stopScript()
+
     def give_up_control(self) -> None:
-        """Stop the control script and close its connection; harmless without control."""
+        """Stop the control script and close its connection in the background; harmless without control.
+
+        Closing sleeps half a second, and the destructor another half in which no other thread runs and no stop could
+        be sent: so closed interfaces, which hold nothing any more, are kept until the process ends.
+        """
+        self.stop_script()
         control, self._control = self._control, None
         if control is not None:
-            if control.isConnected():
-                control.stopScript()
-            control.disconnect()
+            self._closed.append(control)
+            self._closing = Thread(target=control.disconnect, name="closing", daemon=True)
+            self._closing.start()
 
     def close(self) -> None:
         """Stop, and close every connection."""
@@ -124,6 +139,11 @@ class UR5:
         if self._control is None:
             raise ControllerRefusedError("no control script runs")
         return self._control
+
+    def _await_closing(self) -> None:
+        """A second control connection would find the first one's registers in use."""
+        if self._closing is not None:
+            self._closing.join(_CLOSING_S)
 
     def _answers(self) -> bool:
         """Whether the RTDE port takes connections: the library's constructors hang on one that does not."""

@@ -15,7 +15,8 @@ from threading import Thread
 from typing import Any
 
 from robot.arm import ArmState
-from robot.guard.lines import plain
+from robot.guard.lines import encode, plain
+from robot.guard.messages import Command, Event
 
 EVENTS_FILE = "guard.jsonl"
 
@@ -27,31 +28,36 @@ class _Append:
     durable: bool
 
 
+class _Flush:
+    def __init__(self) -> None:
+        self.done = Signal()
+        self.complete = False
+
+
 class Journal:
-    """Appends to files of a folder; `fault` is what could not be written, or None."""
+    """Appends to files of a folder."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._jobs: SimpleQueue[_Append | Signal | None] = SimpleQueue()
+        self._jobs: SimpleQueue[_Append | _Flush | None] = SimpleQueue()
         self._files: dict[str, FileIO] = {}
         self._thread = Thread(target=self._work, name="journal", daemon=True)
+        self._failed = False
         self._thread.start()
-        self.fault: str | None = None
 
-    def record(self, event: str, at_s: float, content: Mapping[str, Any]) -> None:
-        """Append an event, forced to disk; returns at once."""
-        line = _line({"event": event, "at_s": at_s, **content})
-        self._jobs.put(_Append(EVENTS_FILE, line, durable=True))
+    def record(self, message: Command | Event) -> None:
+        """Append a message, forced to disk; returns at once."""
+        self._jobs.put(_Append(EVENTS_FILE, encode(message), durable=True))
 
     def sample(self, permit_id: str, reading: ArmState) -> None:
         """Append a reading to a motion's trajectory; returns at once."""
         self._jobs.put(_Append(trajectory_file(permit_id), _line(_sample(reading)), durable=False))
 
     def flush(self, timeout_s: float) -> bool:
-        """Wait until all so far is on the disk; False if something is not, or not in time."""
-        done = Signal()
-        self._jobs.put(done)
-        return done.wait(timeout_s) and self.fault is None
+        """Wait until all since the last flush is on the disk; False if something is not, or not in time."""
+        flush = _Flush()
+        self._jobs.put(flush)
+        return flush.done.wait(timeout_s) and flush.complete
 
     def close(self) -> None:
         """Write what is left and end the thread."""
@@ -61,21 +67,17 @@ class Journal:
     def _work(self) -> None:
         while (job := self._jobs.get()) is not None:
             try:
-                self._do(job)
-                self.fault = None
-            except OSError as error:
-                self.fault = str(error)
-            if isinstance(job, Signal):
-                job.set()
+                self._append(job) if isinstance(job, _Append) else self._sync()
+            except OSError:
+                self._failed = True  # told by the next flush, which every motion awaits before it starts
+            if isinstance(job, _Flush):
+                job.complete, self._failed = not self._failed, False
+                job.done.set()
         self._close_files()
 
-    def _do(self, job: _Append | Signal) -> None:
-        if isinstance(job, Signal):
-            self._sync()
-            return
+    def _append(self, job: _Append) -> None:
         if job.file not in self._files:
-            self._folder.mkdir(parents=True, exist_ok=True)
-            self._files[job.file] = FileIO(self._folder / job.file, "ab")
+            self._files[job.file] = _open(self._folder / job.file)
         file = self._files[job.file]
         if file.write(job.line) != len(job.line):
             raise OSError(f"{job.file} was not written whole")
@@ -100,11 +102,29 @@ def trajectory_file(permit_id: str) -> str:
 
 
 def read_lines(path: Path) -> list[dict[str, Any]]:
-    """Lines of a journal or trajectory; one that a crash cut short is left out."""
+    """Lines of a journal or trajectory; one that a crash or a full disk cut short is left out."""
     if not path.exists():
         return []
-    whole = path.read_bytes().splitlines(keepends=True)
-    return [json.loads(line) for line in whole if line.endswith(b"\n")]
+    return [content for line in path.read_bytes().splitlines() if (content := _parse(line)) is not None]
+
+
+def _parse(line: bytes) -> dict[str, Any] | None:
+    try:
+        content = json.loads(line)
+    except ValueError:
+        return None
+    return content if isinstance(content, dict) else None
+
+
+def _open(path: Path) -> FileIO:
+    """Open to append; a last line that was cut short is ended first, so that the next one stays whole."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    file = FileIO(path, "a+b")
+    end = file.seek(0, os.SEEK_END)
+    file.seek(max(end - 1, 0))
+    if end and file.read(1) != b"\n":
+        file.write(b"\n")
+    return file
 
 
 def _sample(reading: ArmState) -> dict[str, Any]:
@@ -119,4 +139,4 @@ def _sample(reading: ArmState) -> dict[str, Any]:
 
 
 def _line(content: Mapping[str, Any]) -> bytes:
-    return json.dumps(content, separators=(",", ":"), default=plain).encode() + b"\n"
+    return json.dumps(content, separators=(",", ":")).encode() + b"\n"

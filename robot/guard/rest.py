@@ -53,9 +53,9 @@ class DisplacementWatch:
         self._quiet_until_s = reading.received_at_s + _REPEAT_S
         return Disturbed(reading.received_at_s, offset_mm, angle_rad)
 
-    def account(self, base_from_tcp: Transform) -> None:
-        """A motion of the guard ended here."""
-        self._base_from_left = base_from_tcp
+    def account(self, left: ArmState | None) -> None:
+        """A motion of the guard left the arm here; unknown after one that ended without feedback."""
+        self._base_from_left = None if left is None else left.base_from_tcp
 
 
 def is_slow(reading: ArmState) -> bool:

@@ -1,0 +1,66 @@
+"""Whether a motion may begin: asked with the command, and again once control is taken."""
+
+from robot.guard.course import Course
+from robot.guard.heartbeat import SILENCE_S, HeartbeatMonitor
+from robot.guard.journal import Journal
+from robot.guard.messages import BeginMove, Phase
+from robot.guard.observer import Observer
+from robot.guard.preflight import refuse_arm
+from robot.refusal import Refusal, RefusalCode
+
+_LIVE_WITHIN_S = 0.6  # taking control blocks, and heartbeats with it; a hold that is there shows within this
+_FLUSH_S = 1.0
+
+
+class Admission:
+    """Permits are spent here, whether their motion starts or not."""
+
+    def __init__(self, observer: Observer, heartbeats: HeartbeatMonitor, journal: Journal) -> None:
+        self._observer = observer
+        self._heartbeats = heartbeats
+        self._journal = journal
+        self._spent: set[str] = set()
+
+    def refuse_begin(self, move: BeginMove, phase: Phase, now_s: float) -> Refusal | None:
+        """Refusal of a motion as it is asked for; the permit is spent either way."""
+        spent = move.permit_id in self._spent
+        self._spent.add(move.permit_id)
+        if phase not in (Phase.IDLE, Phase.HELD):
+            return Refusal(RefusalCode.MOTION_RUNNING, "a motion is running", None, None)
+        if spent:
+            return Refusal(RefusalCode.PERMIT_REUSED, "a permit starts one motion", None, None)
+        if phase is Phase.HELD:
+            return Refusal(RefusalCode.GUARD_HELD, "a stop or fault is not acknowledged", None, None)
+        return self._refuse_program() or self._refuse_now(move, now_s) or self._refuse_unwritten()
+
+    def refuse_launch(self, course: Course, now_s: float) -> Refusal | None:
+        """Refusal of a motion once control is taken, which took its time (H04, H16, H18)."""
+        return self._refuse_now(course.move, now_s)
+
+    def may_wait(self, course: Course, now_s: float) -> bool:
+        """Whether the only thing amiss is that the hold was not heard while control was being taken."""
+        same = self._heartbeats.permit_id == course.move.permit_id and self._heartbeats.held
+        return same and now_s - course.began_at_s < _LIVE_WITHIN_S
+
+    def _refuse_now(self, move: BeginMove, now_s: float) -> Refusal | None:
+        newest = self._observer.newest
+        if newest is None or not self._observer.is_sound(now_s):
+            return Refusal(RefusalCode.ARM_UNREACHABLE, "no sound feedback from the controller", None, None)
+        return refuse_arm(move, newest) or self._refuse_silence(move, now_s)
+
+    def _refuse_silence(self, move: BeginMove, now_s: float) -> Refusal | None:
+        if self._heartbeats.is_live(move.permit_id, now_s):
+            return None
+        age_s = self._heartbeats.age_s(now_s)
+        return Refusal(RefusalCode.NO_LIVE_HEARTBEAT, "no live hold under this permit (s)", age_s, SILENCE_S)
+
+    def _refuse_program(self) -> Refusal | None:
+        newest = self._observer.newest
+        if newest is None or not newest.program_running:
+            return None
+        return Refusal(RefusalCode.ARM_NOT_READY, "another program runs on the controller", None, None)
+
+    def _refuse_unwritten(self) -> Refusal | None:
+        if self._journal.flush(_FLUSH_S):
+            return None
+        return Refusal(RefusalCode.JOURNAL_UNWRITABLE, "the guard's journal cannot be written", None, None)

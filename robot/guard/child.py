@@ -1,0 +1,68 @@
+"""One guard process as its parent holds it: two pipes and an end."""
+
+import os
+import select
+import subprocess
+import sys
+from pathlib import Path
+from threading import Lock
+from typing import BinaryIO, cast
+
+_END_S = 4.0  # a guard that stops a moving arm waits for its rest
+
+
+class GuardChild:
+    """A guard process; it runs in a session of its own, outlives a terminal's interrupt and stops the arm.
+
+    The pipes are close-on-exec, so that no other child of this process keeps them open when it dies (H17).
+    """
+
+    def __init__(self, arm_address: str, journal_folder: Path) -> None:
+        command = [sys.executable, "-m", "robot.guard", "--arm", arm_address, "--journal", str(journal_folder)]
+        self._process = subprocess.Popen(  # noqa: S603  # our own module, no shell
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0, start_new_session=True
+        )
+        self._commands = cast(BinaryIO, self._process.stdin)
+        self._events = cast(BinaryIO, self._process.stdout)
+        self._rest = b""
+        self._lock = Lock()
+        os.set_blocking(self._commands.fileno(), False)
+
+    @property
+    def pid(self) -> int:
+        """Of the process."""
+        return self._process.pid
+
+    def send(self, line: bytes) -> bool:
+        """Write a line whole or not at all: a pipe takes up to 4 kB at once, and a full one takes nothing."""
+        with self._lock:
+            try:
+                return not self._commands.closed and os.write(self._commands.fileno(), line) == len(line)
+            except OSError:
+                return False
+
+    def read(self, timeout_s: float) -> list[bytes] | None:
+        """Lines that arrived, perhaps none; None once the process has closed its end."""
+        ready, _, _ = select.select([self._events], [], [], timeout_s)
+        if not ready:
+            return []
+        part = os.read(self._events.fileno(), 65536)
+        *lines, self._rest = (self._rest + part).split(b"\n")
+        return lines if part else None
+
+    def dismiss(self) -> None:
+        """Close the command pipe: the guard stops the arm, waits for its rest and exits."""
+        with self._lock:
+            self._commands.close()
+
+    def end(self, at_once: bool) -> None:
+        """Wait for the exit, or enforce it."""
+        if at_once:
+            self._process.kill()
+        try:
+            self._process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self.dismiss()
+        self._events.close()

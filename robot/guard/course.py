@@ -1,0 +1,124 @@
+"""One motion from its permit to its end: control taken, put on the wire, judged, stopped, at rest."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from robot.arm import Arm, ArmState, LinearMove
+from robot.errors import RobotError
+from robot.frames import Transform, distance_between
+from robot.guard.journal import Journal, trajectory_file
+from robot.guard.messages import BeginMove, EndCause, MotionEnded, MotionStarted, Phase
+from robot.guard.motion import MotionJudge
+from robot.guard.preflight import refuse_tcp
+from robot.refusal import Refusal, RefusalCode
+
+WATCHDOG_HZ = 2.5  # of the controller: 0.4 s without a packet and it stops by itself (H17, H20)
+_STOP_AGAIN_S = 0.2  # a stop that shows no effect is sent again
+_GIVE_UP_S = 3.0  # a UR5 needs up to 0.5 s to stop
+_REST_S = 0.15  # at rest for so long after a stop, and the motion is over
+_BLIND_S = 0.5  # without feedback nothing is gained by waiting longer
+
+
+class Course:
+    """A motion under way; `phase` is starting, moving or stopping."""
+
+    def __init__(self, move: BeginMove, arm: Arm, journal: Journal, clock: Callable[[], float]) -> None:
+        self.move = move
+        self.phase = Phase.STARTING
+        self.began_at_s = clock()
+        self._arm = arm
+        self._journal = journal
+        self._clock = clock
+        self._flange_from_tcp: Transform = np.eye(4)
+        self._judge: MotionJudge | None = None
+        self._cause = EndCause.STOPPED
+        self._stopping_since_s = 0.0
+        self._stop_sent_at_s: float | None = None
+        self._last_stop_s = 0.0
+        self._samples = 0
+
+    def take_control(self) -> Refusal | None:
+        """Upload the control script and compare the active TCP (H10)."""
+        try:
+            self._arm.take_control(WATCHDOG_HZ)
+            self._flange_from_tcp = self._arm.flange_from_tcp()
+        except RobotError as error:
+            return Refusal(RefusalCode.CONTROLLER_REFUSED, str(error), None, None)
+        return refuse_tcp(self.move, self._flange_from_tcp)
+
+    def launch(self, start: ArmState) -> MotionStarted | Refusal:
+        """Put the motion on the wire."""
+        move = self.move
+        self._judge = MotionJudge(move, start, self._clock())
+        try:
+            self._arm.move_linear(LinearMove(move.base_from_goal, move.speed_mm_s, move.acceleration_mm_s2))
+        except RobotError as error:
+            return Refusal(RefusalCode.CONTROLLER_REFUSED, str(error), None, None)
+        self.phase = Phase.MOVING
+        return MotionStarted(
+            permit_id=move.permit_id,
+            at_s=self._clock(),
+            base_from_start=start.base_from_tcp,
+            joints_rad=start.joints_rad,
+            flange_from_tcp=self._flange_from_tcp,
+            payload_kg=start.payload_kg,
+            payload_centre_mm=start.payload_centre_mm,
+        )
+
+    def observe(self, reading: ArmState) -> EndCause | None:
+        """Record a reading; the cause to end the motion, if there is one."""
+        self._journal.sample(self.move.permit_id, reading)
+        self._samples += 1
+        return self._judge.judge(reading) if self._judge is not None and self.phase is Phase.MOVING else None
+
+    def feed_watchdog(self) -> EndCause | None:
+        """Pass a sign of life of the surgeon on; control lost if the controller does not take it."""
+        try:
+            self._arm.feed_watchdog()
+        except RobotError:
+            return EndCause.CONTROL_LOST
+        return None
+
+    def stop(self, cause: EndCause, sent_at_s: float | None = None) -> None:
+        """End the motion; the first cause counts."""
+        if self.phase is Phase.STOPPING:
+            return
+        self.phase = Phase.STOPPING
+        self._cause = cause
+        self._stopping_since_s = self._clock()
+        self._stop_sent_at_s = sent_at_s
+        self._send_stop()
+
+    def settle(self, newest: ArmState | None, sound: bool, rest_s: float) -> MotionEnded | None:
+        """The end of the motion once the arm is seen at rest without a program, or after the time that may take."""
+        now_s = self._clock()
+        over = sound and newest is not None and rest_s >= _REST_S and not newest.program_running
+        waited_s = now_s - self._stopping_since_s
+        if over or waited_s > (_GIVE_UP_S if sound else _BLIND_S):
+            return self._ended(newest, sound and rest_s >= _REST_S, over)
+        if now_s - self._last_stop_s > _STOP_AGAIN_S:
+            self._send_stop()
+        return None
+
+    def _send_stop(self) -> None:
+        self._last_stop_s = self._clock()
+        if self._arm.send_stop() and self._stop_sent_at_s is None:
+            self._stop_sent_at_s = self._last_stop_s
+        self._arm.stop_script()
+
+    def _ended(self, newest: ArmState | None, at_rest: bool, program_stopped: bool) -> MotionEnded:
+        off = None if newest is None else distance_between(newest.base_from_tcp, self.move.base_from_goal)
+        return MotionEnded(
+            permit_id=self.move.permit_id,
+            cause=self._cause,
+            at_s=self._clock(),
+            at_rest=at_rest,
+            program_stopped=program_stopped,
+            distance_mm=None if off is None else off[0],
+            angle_rad=None if off is None else off[1],
+            arm=newest,
+            stop_sent_at_s=self._stop_sent_at_s,
+            trajectory_file=trajectory_file(self.move.permit_id),
+            trajectory_samples=self._samples,
+        )

@@ -1,0 +1,234 @@
+"""The guard itself: takes commands, watches the arm, starts motions and ends them.
+
+One thread owns it and calls `handle` and `tick`; `stop_now` alone may be called from any.
+"""
+
+import time
+from collections.abc import Callable
+from itertools import count
+from typing import TypeAlias, assert_never
+
+from robot.arm import Arm, ArmState
+from robot.guard.admission import Admission
+from robot.guard.course import Course
+from robot.guard.heartbeat import HeartbeatMonitor
+from robot.guard.journal import Journal
+from robot.guard.messages import (
+    Acknowledge,
+    BeginMove,
+    EndCause,
+    Event,
+    Fault,
+    FaultKind,
+    Heartbeat,
+    MoveRefused,
+    Phase,
+    Status,
+    StopSent,
+)
+from robot.guard.observer import Observer
+from robot.guard.rest import DisplacementWatch
+from robot.refusal import Refusal, RefusalCode
+
+STATUS_S = 0.025  # 40 a second: a challenge is at most so old when the tablet gets it
+_FLUSH_S = 1.0
+_CALM = (EndCause.ARRIVED, EndCause.MISSED, EndCause.RELEASED)
+
+Taken: TypeAlias = BeginMove | Heartbeat | Acknowledge | StopSent
+
+
+class Guard:
+    """Alone may move the arm.
+
+    Parameters
+    ----------
+    arm : Arm
+    journal : Journal
+    emit : callable
+        Takes every event; must not block.
+    """
+
+    def __init__(
+        self, arm: Arm, journal: Journal, emit: Callable[[Event], None], clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._arm = arm
+        self._journal = journal
+        self._emit = emit
+        self._clock = clock
+        self._observer = Observer(arm)
+        self._heartbeats = HeartbeatMonitor()
+        self._admission = Admission(self._observer, self._heartbeats, journal)
+        self._displacement = DisplacementWatch()
+        self._idle_phase = Phase.HELD
+        self._course: Course | None = None
+        self._fault: FaultKind | None = FaultKind.FEEDBACK_LOST
+        self._stops = 0
+        self._stops_seen = 0
+        self._sequence = count()
+        self._next_status_s = 0.0
+
+    @property
+    def phase(self) -> Phase:
+        """Where the guard is."""
+        return self._idle_phase if self._course is None else self._course.phase
+
+    def stop_now(self, reason: str) -> StopSent:
+        """Put a stop on the wire before anything else is done about it; hand what it returns to `handle`."""
+        self._stops += 1
+        at_s = self._clock()
+        return StopSent(reason, at_s, self._arm.send_stop())
+
+    def handle(self, taken: Taken) -> None:
+        """Act on a command, or on a stop that was sent."""
+        match taken:
+            case Heartbeat():
+                self._hear(taken)
+            case StopSent():
+                self._stopped(taken, EndCause.STOPPED)
+            case BeginMove():
+                self._begin(taken)
+            case Acknowledge():
+                self._idle_phase = Phase.IDLE
+                self._journal.record(taken)
+            case _:
+                assert_never(taken)
+
+    def lose_parent(self) -> None:
+        """The service is gone: stop, and never start again."""
+        self._stopped(self.stop_now("parent lost"), EndCause.PARENT_LOST)
+
+    def tick(self) -> None:
+        """One turn: read, judge, act, report."""
+        now_s = self._clock()
+        reading = self._observer.read()
+        if self._course is None:
+            self._watch(reading, now_s)
+        else:
+            self._drive(self._course, reading, now_s)
+        if now_s >= self._next_status_s:
+            self._report(now_s)
+
+    def _hear(self, heartbeat: Heartbeat) -> None:
+        fresh = self._heartbeats.receive(heartbeat)
+        course = self._course
+        if course is None or not fresh or course.phase is Phase.STOPPING:
+            return
+        if self._heartbeats.is_live(course.move.permit_id, self._clock()):  # H20: nothing else feeds it
+            cause = course.feed_watchdog()
+            if cause is not None:
+                course.stop(cause)
+
+    def _stopped(self, sent: StopSent, cause: EndCause) -> None:
+        self._stops_seen += 1
+        self._tell(sent)
+        self._idle_phase = Phase.HELD
+        if self._course is None:
+            return
+        if self._course.phase is Phase.STARTING:
+            self._refuse(self._course, Refusal(RefusalCode.STOPPED, "a stop came before the motion", None, None))
+        else:
+            self._course.stop(cause, sent.at_s)
+
+    def _begin(self, move: BeginMove) -> None:
+        now_s = self._clock()
+        refusal = self._admission.refuse_begin(move, self.phase, now_s)
+        if refusal is not None:
+            self._tell(MoveRefused(move.permit_id, now_s, refusal))
+            return
+        self._course = Course(move, self._arm, self._journal, self._clock)
+        self._report(now_s)  # taking control blocks: the parent learns beforehand why it hears nothing
+        answer = self._course.take_control()
+        if answer is not None:
+            self._refuse(self._course, answer)
+
+    def _drive(self, course: Course, reading: ArmState | None, now_s: float) -> None:
+        match course.phase:
+            case Phase.STARTING:
+                self._launch(course, now_s)
+            case Phase.MOVING:
+                cause = self._cause_to_end(course, reading, now_s)
+                if cause is not None:
+                    course.stop(cause)
+            case _:
+                self._settle(course, reading, now_s)
+
+    def _launch(self, course: Course, now_s: float) -> None:
+        newest = self._observer.newest
+        refusal = self._admission.refuse_launch(course, now_s)
+        silent = refusal is not None and refusal.code is RefusalCode.NO_LIVE_HEARTBEAT
+        if silent and self._admission.may_wait(course, now_s):
+            return
+        if self._stops != self._stops_seen or newest is None:
+            return  # a stop was sent and is on its way to `handle`
+        answer = refusal or course.launch(newest)
+        if isinstance(answer, Refusal):
+            self._refuse(course, answer)
+        else:
+            self._tell(answer)
+
+    def _refuse(self, course: Course, refusal: Refusal) -> None:
+        """End a motion that never started: its script is stopped, nothing was moved."""
+        self._course = None
+        self._arm.send_stop()
+        self._tell(MoveRefused(course.move.permit_id, self._clock(), refusal))
+        self._arm.give_up_control()
+
+    def _cause_to_end(self, course: Course, reading: ArmState | None, now_s: float) -> EndCause | None:
+        """The arm's own reason first: it explains the others."""
+        cause = None if reading is None else course.observe(reading)
+        if cause is not None:
+            return cause
+        if not self._observer.is_sound(now_s):
+            return EndCause.FEEDBACK_LOST
+        if self._heartbeats.is_live(course.move.permit_id, now_s):
+            return None
+        return EndCause.HEARTBEAT_LOST if self._heartbeats.held else EndCause.RELEASED
+
+    def _settle(self, course: Course, reading: ArmState | None, now_s: float) -> None:
+        if reading is not None:
+            course.observe(reading)
+        ended = course.settle(self._observer.newest, self._observer.is_sound(now_s), self._observer.rest_s)
+        if ended is None:
+            return
+        self._course = None
+        self._idle_phase = Phase.IDLE if ended.cause in _CALM and self._idle_phase is Phase.IDLE else Phase.HELD
+        self._fault = self._observer.fault(now_s)
+        self._displacement.account(self._observer.newest)
+        self._journal.flush(_FLUSH_S)
+        self._report(now_s)  # whoever hears of the end finds the status that belongs to it
+        self._tell(ended)
+        self._arm.give_up_control()
+
+    def _watch(self, reading: ArmState | None, now_s: float) -> None:
+        """Without a motion: keep the link, latch faults, notice a displaced arm."""
+        self._observer.keep_connected(now_s)
+        fault = self._observer.fault(self._clock())
+        if fault is not None and fault is not self._fault:
+            self._idle_phase = Phase.HELD
+            self._tell(Fault(fault, now_s, f"the arm reports {fault}"))
+        self._fault = fault
+        disturbed = None if reading is None else self._displacement.observe(reading)
+        if disturbed is not None:
+            self._tell(disturbed)
+
+    def _report(self, now_s: float) -> None:
+        self._next_status_s = now_s + STATUS_S
+        course = self._course
+        self._emit(
+            Status(
+                sequence=next(self._sequence),
+                sent_at_s=now_s,
+                phase=self.phase,
+                challenge=self._heartbeats.issue(now_s),
+                connected=self._observer.is_sound(now_s),
+                arm=self._observer.newest,
+                permit_id=self._heartbeats.permit_id if course is None else course.move.permit_id,
+                held=self._heartbeats.held,
+                heartbeat_age_s=self._heartbeats.age_s(now_s),
+            )
+        )
+
+    def _tell(self, event: Event) -> None:
+        """Emit an event and put it into the journal."""
+        self._emit(event)
+        self._journal.record(event)

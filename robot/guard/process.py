@@ -1,0 +1,99 @@
+"""The guard's process: commands from stdin, events to stdout, one loop between them."""
+
+import os
+import signal
+import sys
+import time
+from enum import Enum
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from threading import Thread
+from typing import BinaryIO, TypeAlias
+
+from robot.errors import MessageError
+from robot.guard.guard import Guard, Taken
+from robot.guard.journal import Journal
+from robot.guard.lines import decode_command
+from robot.guard.messages import Phase, Stop
+from robot.guard.outbox import Outbox
+from robot.ur5 import UR5
+
+_TURN_S = 0.003  # longest pause between two looks at the arm, whose cycle is 8 ms (CB3) or 2 ms
+_SWITCH_S = 0.0005  # the interpreter's threads take turns quickly, so that a stop does not wait for a status
+_AT_REST = (Phase.IDLE, Phase.HELD)
+
+
+class _Parent(Enum):
+    GONE = "gone"
+
+
+_Inbox: TypeAlias = SimpleQueue[Taken | _Parent]
+
+
+def run(arm_address: str, journal_folder: Path) -> None:
+    """Guard one arm until the parent is gone and the arm at rest."""
+    outbox = Outbox(_take_stdout())
+    sys.setswitchinterval(_SWITCH_S)
+    journal = Journal(journal_folder)
+    arm = UR5(arm_address)
+    guard = Guard(arm, journal, outbox.put)
+    inbox: _Inbox = SimpleQueue()
+    _heed_signals(inbox)
+    Thread(target=_receive, args=(sys.stdin.buffer, guard, inbox), name="commands", daemon=True).start()
+    _turn_until_over(guard, inbox, outbox)
+    journal.close()
+    arm.send_stop()
+    os._exit(0)  # the library's destructors would take seconds, and end nothing that is not ended
+
+
+def _take_stdout() -> int:
+    """Keep the pipe to the parent for events alone: what the arm's library prints goes to stderr."""
+    events = os.dup(1)
+    os.dup2(2, 1)
+    return events
+
+
+def _heed_signals(inbox: _Inbox) -> None:
+    """A terminal's interrupt is the service's affair; being asked to end is like losing the parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: inbox.put(_Parent.GONE))
+
+
+def _receive(lines: BinaryIO, guard: Guard, inbox: _Inbox) -> None:
+    """Take commands from the pipe; a stop goes out from here, before the loop knows of it."""
+    for line in lines:
+        try:
+            command = decode_command(line)
+        except MessageError as error:
+            command = Stop(str(error))  # what nobody understands may have been a stop
+        inbox.put(guard.stop_now(command.reason) if isinstance(command, Stop) else command)
+    guard.stop_now("the service is gone")
+    inbox.put(_Parent.GONE)
+
+
+def _turn_until_over(guard: Guard, inbox: _Inbox, outbox: Outbox) -> None:
+    parent = os.getppid()
+    orphaned = False
+    while not (orphaned and guard.phase in _AT_REST):
+        gone = _handle(guard, inbox) or outbox.broken or os.getppid() != parent
+        if gone and not orphaned:  # a forked process may still hold the pipe: hence the look at the parent itself
+            orphaned = True
+            guard.lose_parent()
+        guard.tick()
+        outbox.push()
+
+
+def _handle(guard: Guard, inbox: _Inbox) -> bool:
+    """Handle what has arrived, after waiting a turn for it; True if the parent is gone."""
+    gone = False
+    deadline_s = time.monotonic() + _TURN_S
+    while True:
+        try:
+            taken = inbox.get(timeout=max(deadline_s - time.monotonic(), 0.0))
+        except Empty:
+            return gone
+        deadline_s = 0.0
+        if isinstance(taken, _Parent):
+            gone = True
+        else:
+            guard.handle(taken)
