@@ -14,7 +14,7 @@ from scipy.linalg import rq
 from scipy.spatial.transform import Rotation
 
 from vision.devices import Guide
-from vision.projection import Intrinsics, View, fiducials_in_guide, project
+from vision.projection import Intrinsics, View, fiducials_in_guide
 from vision.refusal import Refusal, RefusalCode
 
 Array = NDArray[np.float64]
@@ -27,7 +27,7 @@ _LENGTH_STEP_MM = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PaperSolution:
-    """View, RMS distance of the 12 fiducials (px) and covariance (10, 10), parametrised as in `Registration`."""
+    """View, RMS distance (px) of the 12 fiducials from the linear projection, and covariance as in `Registration`."""
 
     view: View
     residual_rms_px: float
@@ -57,13 +57,13 @@ def solve(fiducials_px: Mapping[str, Array], guide: Guide) -> PaperSolution | Re
     pixels = np.array([fiducials_px[name] for name in fiducials_in_guide(guide)])
     points = _points(guide)
     projection = _projection_matrix(pixels, points)
-    if not (np.isfinite(projection).all() and (points @ projection[2, :3] + projection[2, 3] > 0.0).all()):
+    image = points @ projection[:, :3].T + projection[:, 3]
+    if not (np.isfinite(image).all() and (image[:, 2] > 0.0).all()):
         return Refusal(RefusalCode.GUIDE_MISMATCH, "the 12 fiducials give no view of a guide in front of the source")
+    sum_of_squares = float(((image[:, :2] / image[:, 2:] - pixels) ** 2).sum())
+    noise_px = max(_LEAST_NOISE_PX, math.sqrt(sum_of_squares / _DEGREES_OF_FREEDOM))
     view = _decomposed(projection)
-    residuals = project(view, points) - pixels
-    noise_px = max(_LEAST_NOISE_PX, math.sqrt(float((residuals**2).sum()) / _DEGREES_OF_FREEDOM))
-    rms_px = math.sqrt(float((residuals**2).sum(axis=1).mean()))
-    return PaperSolution(view, rms_px, _covariance(view, pixels, guide, noise_px))
+    return PaperSolution(view, math.sqrt(sum_of_squares / len(points)), _covariance(view, pixels, guide, noise_px))
 
 
 def _points(guide: Guide) -> Array:

@@ -1,14 +1,21 @@
 """The reference devices, a flat-panel registration and exact views of the guide, for every test of `vision`."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+from vision.distortion import DistortionMap
 
+from vision.conics import RingPair, ellipse_from_conic
 from vision.devices import CArm, Guide, read_carm, read_guide
-from vision.projection import Intrinsics, View
+from vision.paper import solve
+from vision.projection import Intrinsics, View, fiducials_in_guide, project, ring_conic
+from vision.refusal import Refusal
+from vision.registered import ImageIdentity, Method, PredictedError, Registration
 
 GUIDE_TOML = b"""
 name = "reference-guide"
@@ -118,3 +125,55 @@ def make_view() -> Callable[..., View]:
 def vector_view(make_view: Callable[..., View]) -> View:
     """The view of the test vector in docs/method.md."""
     return make_view(10.0)
+
+
+@dataclass(frozen=True)
+class ShiftedMap:
+    """A distortion that anyone can check by hand: corrected = raw + shift."""
+
+    shift_px: tuple[float, float]
+    balls: int = 0
+    rms_px: float = 0.0
+
+    def corrected_from_raw(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Corrected pixels (n, 2)."""
+        return points + self.shift_px
+
+    def raw_from_corrected(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Raw pixels (n, 2)."""
+        return points - self.shift_px
+
+
+@pytest.fixture(scope="session")
+def make_registration(guide: Guide, flat_panel: CArm) -> Callable[..., Registration]:
+    """A registration that is exactly right about `view`; corrected pixels are raw ones shifted by `shift_px`."""
+
+    def make(
+        view: View, carm: CArm = flat_panel, shift_px: tuple[float, float] = (0.0, 0.0), used_guide: Guide = guide
+    ) -> Registration:
+        names, points = zip(*fiducials_in_guide(used_guide).items(), strict=True)
+        pixels = dict(zip(names, project(view, np.array(points)), strict=True))
+        small = ellipse_from_conic(ring_conic(view, used_guide.small_ring_radius_mm, 0.0))
+        big = ellipse_from_conic(ring_conic(view, used_guide.big_ring_radius_mm, -used_guide.separation_mm))
+        solution = solve(pixels, used_guide)
+        assert small is not None
+        assert big is not None
+        assert not isinstance(solution, Refusal)
+        return Registration(
+            image=ImageIdentity("ab" * 32, 1024, 1024),
+            method=Method.CONTOUR,
+            guide=guide,
+            carm=carm,
+            intrinsics=view.intrinsics,
+            source_from_guide=view.source_from_guide,
+            distortion=cast(DistortionMap, ShiftedMap(shift_px)),
+            fiducials_px=pixels,
+            bead_px=project(view, np.array([[0.0, 45.0, -30.0]]))[0],
+            rings=RingPair(small, big),
+            residual_rms_px=0.05,
+            covariance=solution.covariance,
+            predicted_error_95=PredictedError(1e-3, 0.1, 80.0),
+            elapsed_ms=12.0,
+        )
+
+    return make
