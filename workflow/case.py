@@ -28,6 +28,7 @@ class Permit:
     issued_s: float
     joints_rad: tuple[float, ...]
     devices_hash: str
+    guide: GuideState
     control_token: int
 
 
@@ -92,6 +93,7 @@ class CaseState:
     window: Window | None
     evaluated_image: Artefact | None  # arrived for verification, its evaluation not yet finished
     newest_image_id: str | None  # nothing has moved since it was taken
+    used_permit_id: str | None  # the newest that was consumed (H14)
     held_for: str | None  # why the case is in safe_hold
     control_token: int | None  # of the lease that was last taken
     corrections: int  # of the current target
@@ -122,6 +124,7 @@ def opened(case_id: str) -> CaseState:
         window=None,
         evaluated_image=None,
         newest_image_id=None,
+        used_permit_id=None,
         held_for=None,
         control_token=None,
         corrections=0,

@@ -1,13 +1,16 @@
 """A case as JSON and back, so that the service can rebuild it from its last event."""
 
-from typing import Any
+from dataclasses import asdict, fields, is_dataclass
+from enum import Enum
+from types import UnionType
+from typing import Any, get_args, get_origin, get_type_hints
 
 from workflow.case import CaseState
 
 
 def to_json(case: CaseState) -> dict[str, Any]:
     """The case as a dict of strings, numbers, lists and dicts."""
-    raise NotImplementedError(case)
+    return asdict(case, dict_factory=lambda items: {name: _plain(value) for name, value in items})
 
 
 def from_json(data: dict[str, Any]) -> CaseState:
@@ -18,4 +21,39 @@ def from_json(data: dict[str, Any]) -> CaseState:
     ValueError
         If a field is missing, unknown or of another type.
     """
-    raise NotImplementedError(data)
+    case: CaseState = _read(CaseState, data, "case")
+    return case
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Enum):
+        return value.value
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _read(kind: Any, value: Any, where: str) -> Any:
+    if get_origin(kind) is UnionType:
+        options = [option for option in get_args(kind) if option is not type(None)]
+        return None if value is None else _read(options[0], value, where)
+    if get_origin(kind) is tuple:
+        return tuple(_read(get_args(kind)[0], item, where) for item in _checked(value, list, where))
+    if is_dataclass(kind):
+        return _read_fields(kind, _checked(value, dict, where), where)
+    if issubclass(kind, Enum):
+        return kind(value)
+    return float(_checked(value, (int, float), where)) if kind is float else _checked(value, kind, where)
+
+
+def _read_fields(kind: Any, data: dict[str, Any], where: str) -> Any:
+    hints = get_type_hints(kind)
+    names = {field.name for field in fields(kind)}
+    if names != set(data):
+        raise ValueError(f"{where}: fields {sorted(names ^ set(data))} are missing or unknown")
+    return kind(**{name: _read(hints[name], data[name], f"{where}.{name}") for name in names})
+
+
+def _checked(value: Any, kind: Any, where: str) -> Any:
+    # A bool is an int to Python, but not to whoever wrote the record.
+    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
+        raise ValueError(f"{where}: {value!r} is of another type")
+    return value

@@ -23,6 +23,7 @@ class Effect(StrEnum):
     REGISTRATION_STARTS = "registration_starts"
     EVALUATION_STARTS = "evaluation_starts"
     ALARM = "alarm"
+    CHECKPOINT_SIGNED = "checkpoint_signed"
 
 
 class ImageUse(StrEnum):

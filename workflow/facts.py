@@ -58,12 +58,12 @@ class NewestImageReused:
 class RegistrationQuality:
     """What a registration measured about itself; predicted bounds are 95 %, for a target at the small ring's centre."""
 
-    mirror_margin: float | None  # log-likelihood ratio for the bead over its mirror place
+    handedness_proved: bool | None  # by the bead in this image (H05)
     plate_required: bool | None  # the device is an image intensifier
     plate_balls: int | None
-    scale_error: float | None  # relative, of the fitted pixel scale against the C-arm file
+    scale_error: float | None  # relative, of the fitted focal length in pixels against the C-arm file
+    fiducials: int | None
     residual_rms_px: float | None
-    ring_coverage: float | None  # of the worse ring, fraction
     predicted_angle_rad: float | None
     predicted_position_mm: float | None
 
@@ -263,10 +263,9 @@ class LeaseTaken:
 
 @dataclass(frozen=True, slots=True)
 class CaseClosed:
-    """The end: how many targets are neither placed nor abandoned, and whether the checkpoint is signed."""
+    """The end: how many targets are neither placed nor abandoned with a reason."""
 
     open_targets: int
-    checkpoint_signed: bool
 
 
 @dataclass(frozen=True, slots=True)

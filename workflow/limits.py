@@ -29,15 +29,17 @@ class Limits:
     tcp_difference_mm: float = 0.1
     tcp_difference_rad: float = math.radians(0.05)
     payload_difference_kg: float = 0.05
+    # Arrival: the guard's own tolerance.
+    arrival_mm: float = 0.1
+    arrival_rad: float = math.radians(0.05)
     # The verification: error and its 95 % bound together.
     angle_error_rad: float = math.radians(1.0)
     position_error_mm: float = 1.5
     # H05 to H07: what a registration must at least show; the finer gates are vision's.
-    mirror_margin: float = 3.0  # log-likelihood ratio for the bead over its mirror place: 20 to 1
     plate_balls: int = 40  # a tenth of the reference plate
-    scale_error: float = 0.05  # relative: a C-arm file that is off by more is another C-arm's
+    scale_error: float = 0.1  # relative: a C-arm file that is off by more is another C-arm's
+    fiducials: int = 12  # of the guide
     residual_rms_px: float = 1.0
-    ring_coverage: float = 0.5  # fraction of the worse ring's contour
     # H09, edges of plausibility: a UR5 reaches 850 mm; near the patient it is capped at 20 mm/s and 5 deg/s (H12).
     path_length_mm: float = 850.0
     path_angle_rad: float = math.pi

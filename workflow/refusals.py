@@ -20,6 +20,7 @@ class RefusalCode(StrEnum):
     NOT_NOW = "not_now"
     REASON_REQUIRED = "reason_required"
     ROLE = "role"
+    TARGETS_OPEN = "targets_open"
     INTERLOCK = "interlock"
 
 

@@ -16,6 +16,7 @@ class SafetyMode(StrEnum):
     PROTECTIVE_STOP = "protective_stop"
     SAFEGUARD_STOP = "safeguard_stop"
     EMERGENCY_STOP = "emergency_stop"
+    RECOVERY = "recovery"
     VIOLATION = "violation"
     FAULT = "fault"
     OFF = "off"

@@ -1,0 +1,165 @@
+"""What leads onwards: for a request that is refused, the triggers that bring it nearer."""
+
+from collections import deque
+from collections.abc import Iterable
+from functools import cache, reduce
+
+from workflow.case import CaseState
+from workflow.inquiry import Inquiry
+from workflow.limits import Limits
+from workflow.links import Link
+from workflow.plans import PLAN_INPUTS, PLAN_STATES, PlanKind
+from workflow.rows import Goto, Row
+from workflow.settling import settle
+from workflow.snapshot import unknown_snapshot
+from workflow.states import GuideState, InsertionStatus, State
+from workflow.table import TABLE
+from workflow.totality import listed
+from workflow.triggers import Trigger
+
+# Who makes a link; an image and its verification follow from the exposure that a person asks for.
+MAKERS: dict[Link, Trigger] = {
+    Link.VIEW: Trigger.CARM_POSITION_CONFIRMED,
+    Link.IMAGE: Trigger.EXPOSURE_REQUESTED,
+    Link.REGISTRATION: Trigger.REGISTRATION_COMPLETED,
+    Link.TARGET: Trigger.TARGET_CONFIRMED,
+    Link.PLAN: Trigger.PLAN_REQUESTED,
+    Link.PERMIT: Trigger.MOVE_APPROVED,
+    Link.MOTION: Trigger.MOVE_STARTED,
+    Link.VERIFICATION: Trigger.EXPOSURE_REQUESTED,
+}
+_AIM = (Link.VIEW, Link.IMAGE, Link.REGISTRATION, Link.TARGET)
+_NEEDED: dict[Trigger, tuple[Link, ...]] = {
+    Trigger.EXPOSURE_REQUESTED: (Link.VIEW,),
+    Trigger.NEWEST_IMAGE_REUSED: (Link.VIEW,),
+    Trigger.RETAKE: (Link.VIEW, Link.IMAGE),
+    Trigger.TARGET_CONFIRMED: (Link.VIEW, Link.IMAGE, Link.REGISTRATION),
+    Trigger.TARGET_WITHDRAWN: _AIM,
+    Trigger.CORRECTION_REQUESTED: tuple(Link),
+    Trigger.VERIFICATION_REJECTED: tuple(Link),
+    Trigger.INSERTION_STARTED: tuple(Link),
+    Trigger.TARGET_DONE: tuple(Link),
+}
+_MOVES = {
+    Trigger.PLAN_REQUESTED: (),
+    Trigger.MOVE_APPROVED: (Link.PLAN,),
+    Trigger.MOVE_STARTED: (Link.PLAN, Link.PERMIT),
+}
+# Nobody should end a case, break something or claim a movement just to get on.
+_NO_WAY_ON = frozenset(
+    {
+        Trigger.STOP,
+        Trigger.FAULT,
+        Trigger.RESTARTED,
+        Trigger.CASE_CLOSED,
+        Trigger.CASE_ABORTED,
+        Trigger.PATIENT_MOVED,
+        Trigger.ARM_DISTURBED,
+        Trigger.HAND_GUIDED,
+        Trigger.DEVICE_CHANGED,
+        Trigger.REGISTRATION_REFUSED,
+        Trigger.MISSED,
+        Trigger.RELEASED,
+    }
+)
+
+
+def usable_plan(case: CaseState) -> bool:
+    """The case has a plan that no motion was started from, of a kind that may be used in this state."""
+    return case.plan is not None and not case.plan.used and case.state in PLAN_STATES[case.plan.kind]
+
+
+def _is_there(case: CaseState, link: Link) -> bool:
+    if link is Link.PLAN:
+        return usable_plan(case) or case.motion is not None
+    if link is Link.PERMIT:
+        return case.permit is not None or case.motion is not None
+    return case.link(link) is not None
+
+
+def first_missing(case: CaseState, trigger: Trigger, kind: PlanKind | None) -> Link | None:
+    """The first link that a request needs and the case has not, in the order of the chain."""
+    if trigger in _MOVES:
+        inputs = PLAN_INPUTS[kind] if kind else ()
+        own = (link for link in _MOVES[trigger] if not (usable_plan(case) if link is Link.PLAN else case.permit))
+        return next((link for link in inputs if case.link(link) is None), next(own, None))
+    if Link.VERIFICATION in _NEEDED.get(trigger, ()) and case.verification is not None:
+        return None
+    return next((link for link in _NEEDED.get(trigger, ()) if not _is_there(case, link)), None)
+
+
+def from_the_guide(case: CaseState) -> tuple[Trigger, ...]:
+    """How the guide becomes empty in the record: by a person's fact about what is in it."""
+    if case.insertion is None:
+        return (Trigger.GUIDE_STATE_STATED,)
+    if case.insertion.status is InsertionStatus.OPEN:
+        return (Trigger.INSERTION_CANCELLED, Trigger.SLEEVE_IN)
+    return (Trigger.SLEEVE_REMOVED,)
+
+
+def from_the_insertion(case: CaseState) -> tuple[Trigger, ...]:
+    """How a running insertion ends."""
+    if case.insertion is not None and case.insertion.status is InsertionStatus.OPEN:
+        return (Trigger.SLEEVE_IN, Trigger.INSERTION_CANCELLED)
+    if case.guide in (GuideState.EMPTY, GuideState.WIRE):
+        return (Trigger.TARGET_DONE,)
+    return (Trigger.SLEEVE_REMOVED,)
+
+
+def route(case: CaseState, goals: frozenset[State]) -> tuple[Trigger, ...]:
+    """First steps on the shortest ways from a case to any of these states."""
+    distances = _distances(goals)
+    steps = [(distances[to], row.trigger) for row, to in _steps(case) if to in distances]
+    nearest = min((distance for distance, _ in steps), default=None)
+    first = dict.fromkeys(_asked_for(case, trigger) for distance, trigger in steps if distance == nearest)
+    return tuple(first) or (Trigger.HOLD_REQUESTED,)
+
+
+def towards(case: CaseState, wanted: Trigger) -> tuple[Trigger, ...]:
+    """The wanted trigger itself where this state lists it, else the first steps to a state that does."""
+    if listed(case.state, wanted):
+        return (wanted,)
+    return route(case, frozenset(state for state in State if listed(state, wanted)))
+
+
+def _ways() -> Iterable[Row]:
+    rows = (entry for entry in TABLE if isinstance(entry, Row))
+    return (row for row in rows if row.trigger not in _NO_WAY_ON and row.to not in (Goto.SAME, State.SAFE_HOLD))
+
+
+def _steps(case: CaseState) -> Iterable[tuple[Row, State]]:
+    """Rows that lead out of the state of this very case, each with where it would settle."""
+    for row in _ways():
+        if case.state in row.sources:
+            yield row, row.to if isinstance(row.to, State) else _settled(case, row)
+
+
+def _settled(case: CaseState, row: Row) -> State:
+    """Rows that settle only void and close: what they do needs nothing that comes with the trigger."""
+    inquiry = Inquiry(case, row.trigger, None, unknown_snapshot(), Limits(), 0.0)
+    return settle(reduce(lambda after, change: change(after, inquiry), row.changes, case))
+
+
+@cache
+def _distances(goals: frozenset[State]) -> dict[State, int]:
+    """Steps from every state to the nearest goal, wherever rows can settle."""
+    distances = dict.fromkeys(goals, 0)
+    queue = deque(goals)
+    while queue:
+        reached = queue.popleft()
+        for row in _ways():
+            if reached in (row.settles_to or {row.to}):
+                for source in row.sources - distances.keys():
+                    distances[source] = distances[reached] + 1
+                    queue.append(source)
+    return distances
+
+
+def _asked_for(case: CaseState, trigger: Trigger) -> Trigger:
+    """What a person does so that an observation can follow."""
+    if trigger in (Trigger.IMAGE_ARRIVED, Trigger.VERIFICATION_PASSED, Trigger.VERIFICATION_FAILED):
+        return Trigger.EXPOSURE_REQUESTED
+    if trigger is Trigger.MOVE_STARTED:
+        missing = first_missing(case, trigger, None)
+        return MAKERS[missing] if missing else trigger
+    return trigger
