@@ -130,10 +130,14 @@ def planned_targets(connection: Connection, case_id: str) -> dict[str, Any]:
 def open_case_of(connection: Connection, room: str) -> str | None:
     """The id of the room's case that is neither closed nor aborted, if there is one."""
     events, cases = tables.events, tables.cases
-    last = sa.select(sa.func.max(events.c.sequence)).where(events.c.case_id == cases.c.id).scalar_subquery()
+    newest = sa.select(events.c.case_id, sa.func.max(events.c.sequence).label("sequence")).group_by(events.c.case_id)
+    last = newest.subquery()
+    is_last = sa.and_(events.c.case_id == last.c.case_id, events.c.sequence == last.c.sequence)
     query = (
         sa.select(cases.c.id)
-        .join(events, sa.and_(events.c.case_id == cases.c.id, events.c.sequence == last))
+        .select_from(cases)
+        .join(events, events.c.case_id == cases.c.id)
+        .join(last, is_last)
         .where(cases.c.room == room, events.c.state.not_in(_OVER))
     )
     return connection.execute(query).scalar()
