@@ -14,6 +14,7 @@ from vision.device_json import carm_from_json, carm_to_json, guide_from_json, gu
 from vision.distortion import DistortionMap
 from vision.projection import Intrinsics, fiducials_in_guide
 from vision.registered import ImageIdentity, Method, PredictedError, Registration
+from vision.result_json import predicted_error_to_json
 from vision.table import Table
 
 Array = NDArray[np.float64]
@@ -52,15 +53,6 @@ def to_json(registration: Registration, path: str | None = None) -> dict[str, An
         "carm": carm_to_json(registration.carm),
         "predicted_error_95": predicted_error_to_json(predicted),
         "elapsed_ms": registration.elapsed_ms,
-    }
-
-
-def predicted_error_to_json(predicted: PredictedError) -> dict[str, float]:
-    """The bounds, angle in degrees."""
-    return {
-        "angle_deg": math.degrees(predicted.angle_rad),
-        "position_mm": predicted.position_mm,
-        "depth_mm": predicted.depth_mm,
     }
 
 

@@ -1,16 +1,18 @@
 """Targeting, evaluation, C-arm angles and refusals as JSON, exactly as the command-line contract prints them."""
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from vision.carm_angles import CArmAngles
-from vision.evaluation import AlignmentError, Evaluation
 from vision.refusal import Refusal
-from vision.registration_json import predicted_error_to_json
-from vision.targeting import Targeting
+
+if TYPE_CHECKING:  # so that to print C-arm angles takes no image libraries
+    from vision.carm_angles import CArmAngles
+    from vision.evaluation import AlignmentError, Evaluation
+    from vision.registered import PredictedError
+    from vision.targeting import Targeting
 
 
-def targeting_to_json(targeting: Targeting) -> dict[str, Any]:
+def targeting_to_json(targeting: "Targeting") -> dict[str, Any]:
     """The object of `coaxial target`."""
     return {
         "status": "targeted",
@@ -24,7 +26,16 @@ def targeting_to_json(targeting: Targeting) -> dict[str, Any]:
     }
 
 
-def evaluation_to_json(evaluation: Evaluation) -> dict[str, Any]:
+def predicted_error_to_json(predicted: "PredictedError") -> dict[str, float]:
+    """The bounds, angle in degrees."""
+    return {
+        "angle_deg": math.degrees(predicted.angle_rad),
+        "position_mm": predicted.position_mm,
+        "depth_mm": predicted.depth_mm,
+    }
+
+
+def evaluation_to_json(evaluation: "Evaluation") -> dict[str, Any]:
     """The object of `coaxial evaluate`, without the image's path."""
     image = evaluation.registration.image
     return {
@@ -40,11 +51,11 @@ def evaluation_to_json(evaluation: Evaluation) -> dict[str, Any]:
     }
 
 
-def _error_to_json(error: AlignmentError) -> dict[str, float]:
+def _error_to_json(error: "AlignmentError") -> dict[str, float]:
     return {"angle_error_deg": math.degrees(error.angle_rad), "position_error_mm": error.position_mm}
 
 
-def carm_angles_to_json(angles: CArmAngles) -> dict[str, Any]:
+def carm_angles_to_json(angles: "CArmAngles") -> dict[str, Any]:
     """The object of `coaxial plan-carm`."""
     return {
         "status": "planned",

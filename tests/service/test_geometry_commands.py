@@ -1,0 +1,286 @@
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from typer.testing import CliRunner, Result
+
+from service.cli.main import app
+
+GUIDE_TOML = """
+name = "reference-guide"
+version = 1
+[small_ring]
+radius = 20.0
+[big_ring]
+radius = 30.0
+[axis]
+separation = 60.0
+[indicator_line]
+start = 26.0
+end = 66.0
+[wire]
+diameter = 1.2
+[bead]
+position = [0.0, 45.0, -30.0]
+diameter = 3.0
+[tolerance]
+radius_sd = 0.02
+separation_sd = 0.03
+bead_sd = 0.05
+bore_concentricity_sd = 0.02
+"""
+
+CARM_TOML = """
+name = "reference-flat-panel"
+version = 1
+[geometry]
+source_to_image_distance = 1000.0
+source_to_image_distance_sd = 30.0
+principal_point_sd_px = 15.0
+[detector]
+kind = "flat-panel"
+field_of_view = 360.0
+"""
+
+SIDE_PX = 1024
+ALPHA_PX = 1000.0 / 360.0 * SIDE_PX
+CENTRE_PX = (SIDE_PX - 1) / 2.0
+
+
+def pose(tilt_deg: float = 10.0, roll_deg: float = 25.0) -> np.ndarray:
+    """The guide's pose in the drawn image, (4, 4), mm."""
+    source_from_guide = np.eye(4)
+    turn = Rotation.from_euler("x", tilt_deg, degrees=True) * Rotation.from_euler("z", roll_deg, degrees=True)
+    source_from_guide[:3, :3] = turn.as_matrix()
+    source_from_guide[:3, 3] = (10.0, -5.0, 750.0)
+    return source_from_guide
+
+
+def drawn(source_from_guide: np.ndarray) -> np.ndarray:
+    """A plain X-ray of the guide, 16 bits, drawn by OpenCV: no plate, no anatomy, little noise."""
+    around = np.linspace(0.0, 2.0 * np.pi, 1000)
+    circle = np.column_stack((np.cos(around), np.sin(around), np.zeros_like(around)))
+    wires = [
+        circle * 20.0,
+        circle * 30.0 - (0.0, 0.0, 60.0),
+        np.column_stack((np.linspace(26.0, 66.0, 200), np.zeros(200), np.zeros(200))),
+    ]
+    scale = 4  # drawn larger and averaged down, so that the wires' edges lie between pixels
+    canvas = np.zeros((SIDE_PX * scale, SIDE_PX * scale), np.float32)
+    for wire in wires:
+        layer = np.zeros_like(canvas)
+        cv2.polylines(layer, [on_canvas(wire, source_from_guide, scale)], False, 1.0, round(4.4 * scale), shift=4)
+        canvas += layer
+    bead = np.zeros_like(canvas)
+    (centre,) = on_canvas(np.array([[0.0, 45.0, -30.0]]), source_from_guide, scale)
+    cv2.circle(bead, [int(value) for value in centre], round(5.7 * scale * 16), 1.5, -1, shift=4)
+    density = cv2.resize(canvas + bead, (SIDE_PX, SIDE_PX), interpolation=cv2.INTER_AREA)
+    density = cv2.GaussianBlur(density, (0, 0), 1.0)
+    noise = np.random.default_rng(1).normal(0.0, 150.0, density.shape)
+    return np.clip(45_000.0 * np.exp(-0.6 * density) + noise, 0, 65_535).astype(np.uint16)
+
+
+def on_canvas(points: np.ndarray, source_from_guide: np.ndarray, scale: int) -> np.ndarray:
+    """Projected points in OpenCV's sixteenths of the enlarged canvas."""
+    in_source = points @ source_from_guide[:3, :3].T + source_from_guide[:3, 3]
+    pixels = in_source[:, :2] / in_source[:, 2:] * ALPHA_PX + CENTRE_PX
+    return np.round(((pixels + 0.5) * scale - 0.5) * 16.0).astype(np.int32)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the device files and one drawn image."""
+    path = tmp_path_factory.mktemp("geometry")
+    (path / "guide.toml").write_text(GUIDE_TOML)
+    (path / "carm.toml").write_text(CARM_TOML)
+    image = drawn(pose())
+    cv2.imwrite(str(path / "image.png"), image)
+    cv2.imwrite(str(path / "flipped.png"), np.fliplr(image))
+    cv2.imwrite(str(path / "blank.png"), np.full((SIDE_PX, SIDE_PX), 30_000, np.uint16))
+    (path / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\nno more")
+    return path
+
+
+def run(*arguments: str | Path) -> Result:
+    """The command, run in this process."""
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def devices(folder: Path) -> tuple[str | Path, ...]:
+    """The options that name the device files."""
+    return ("--guide", folder / "guide.toml", "--carm", folder / "carm.toml")
+
+
+def only_line(result: Result) -> dict[str, Any]:
+    """The one JSON object on stdout."""
+    (line,) = result.stdout.splitlines()
+    parsed = json.loads(line)
+    assert isinstance(parsed, dict)
+    return parsed
+
+
+@pytest.fixture(scope="module")
+def registration_file(folder: Path) -> Path:
+    """The output of `coaxial register` for the drawn image."""
+    result = run("register", folder / "image.png", *devices(folder))
+    assert result.exit_code == 0, result.output
+    path = folder / "registration.json"
+    path.write_text(result.stdout)
+    return path
+
+
+def test_register_prints_what_the_contract_promises(registration_file: Path, folder: Path) -> None:
+    printed = json.loads(registration_file.read_text())
+    assert printed["status"] == "registered"
+    assert printed["image"]["path"] == str(folder / "image.png")
+    assert (printed["image"]["rows"], printed["image"]["columns"]) == (SIDE_PX, SIDE_PX)
+    assert printed["method"] == "contour"
+    assert set(printed["intrinsics_px"]) == {"alpha_x", "alpha_y", "u0", "v0"}
+    assert len(printed["fiducials_px"]) == 12
+    assert set(printed["rings_px"]["big"]) == {"centre", "semi_axes", "angle_rad"}
+    assert {"balls", "rms_px"} <= set(printed["distortion"])
+    assert set(printed["predicted_error_95"]) == {"angle_deg", "position_mm", "depth_mm"}
+    assert printed["residual_rms_px"] > 0.0
+    assert printed["elapsed_ms"] > 0.0
+    # degrees of the guide's axis; the drawing is coarse, and tilt trades with the principal point
+    axis = np.array(printed["source_from_guide"])[:3, 2]
+    assert np.degrees(np.arccos(axis @ pose()[:3, 2])) < 1.0
+
+
+def test_target_works_from_the_registration_alone(registration_file: Path) -> None:
+    result = run("target", registration_file, "--pixel", "600,480", "--space", "raw")
+    assert result.exit_code == 0, result.output
+    printed = only_line(result)
+    guide_from_goal = np.array(printed["guide_from_goal"])
+    assert guide_from_goal[:3, 3].tolist() == printed["translation_mm"]
+    turn = Rotation.from_rotvec(np.array(printed["rotation_axis"]) * printed["rotation_deg"], degrees=True)
+    assert guide_from_goal[:3, :3] == pytest.approx(turn.as_matrix(), abs=1e-12)
+    assert printed["target_corrected_px"] == [600.0, 480.0]
+    assert printed["predicted_error_95"]["depth_mm"] == 80.0
+    ray = np.array([600.0 - CENTRE_PX, 480.0 - CENTRE_PX, ALPHA_PX])
+    axis = pose()[:3, :3] @ guide_from_goal[:3, 2]
+    # degrees from the true ray: the drawing's own error
+    assert np.degrees(np.linalg.norm(np.cross(axis, ray / np.linalg.norm(ray)))) < 0.15
+
+
+def test_evaluate_measures_the_guide_where_it_is(folder: Path) -> None:
+    arguments = (*devices(folder), "--pixel", "549.43,492.54", "--space", "raw", "--depth-mm", "80")
+    result = run("evaluate", folder / "image.png", *arguments)
+    assert result.exit_code == 0, result.output
+    printed = only_line(result)
+    ray = np.array([549.43 - CENTRE_PX, 492.54 - CENTRE_PX, ALPHA_PX])
+    truth_deg = np.degrees(np.arccos(pose()[:3, 2] @ ray / np.linalg.norm(ray)))
+    assert printed["contour"]["angle_error_deg"] == pytest.approx(truth_deg, abs=0.5)
+    assert {"angle_error_deg", "position_error_mm"} <= set(printed["paper"])
+    assert isinstance(printed["agree"], bool)
+    assert printed["image"]["path"] == str(folder / "image.png")
+
+
+def test_flipped_image_is_refused_as_mirrored_and_the_others_are_still_registered(folder: Path) -> None:
+    images = [folder / name for name in ("flipped.png", "image.png", "blank.png", "broken.png")]
+    result = run("register", *images, *devices(folder))
+    assert result.exit_code == 3
+    lines = [json.loads(line) for line in result.stdout.splitlines()]
+    assert [line["status"] for line in lines] == ["refused", "registered", "refused", "refused"]
+    assert lines[0]["reason"]["code"] == "mirrored"
+    assert lines[3]["reason"]["code"] == "unreadable_image"
+    assert [line["image"]["path"] for line in lines] == [str(path) for path in images]
+    assert set(lines[2]["reason"]) == {"code", "message", "measured", "limit"}
+
+
+def test_refused_image_refuses_its_evaluation(folder: Path) -> None:
+    result = run("evaluate", folder / "blank.png", *devices(folder), "--pixel", "500,500", "--space", "raw")
+    assert result.exit_code == 3
+    assert only_line(result)["status"] == "refused"
+
+
+@pytest.mark.parametrize(("pixel", "code"), [("nan,480", "target_not_finite"), ("-40,480", "target_outside_image")])
+def test_target_refuses_a_bad_pixel(registration_file: Path, pixel: str, code: str) -> None:
+    result = run("target", registration_file, "--pixel", pixel, "--space", "raw")
+    assert result.exit_code == 3
+    assert only_line(result)["reason"]["code"] == code
+
+
+@pytest.mark.parametrize("content", ["", "{}", "[]", "[" * 100_000, '{"status": "refused"}', "nonsense", "\0\xff"])
+def test_target_ends_with_one_line_on_what_is_no_registration(tmp_path: Path, content: str) -> None:
+    path = tmp_path / "registration.json"
+    path.write_text(content)
+    result = run("target", path, "--pixel", "600,480", "--space", "raw")
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert len(result.stderr.splitlines()) == 1
+
+
+def test_missing_files_end_with_one_line(folder: Path) -> None:
+    for arguments in (
+        ("register", folder / "none.png", *devices(folder)),
+        ("register", folder / "image.png", "--guide", folder / "none.toml", "--carm", folder / "carm.toml"),
+        ("register", folder / "image.png", "--guide", folder / "guide.toml", "--carm", folder / "guide.toml"),
+        ("target", folder, "--pixel", "600,480", "--space", "raw"),
+    ):
+        result = run(*arguments)
+        assert result.exit_code == 2
+        assert result.stdout == ""
+        assert len(result.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("plan-carm", "--entry", "1,2", "--target", "1,2,3"),
+        ("plan-carm", "--entry", "1,2,x", "--target", "1,2,3"),
+        ("plan-carm", "--entry", "1,2,3"),
+        ("plan-carm", "--entry", "1,2,3", "--target", "1,2,3", "--position", "sitting"),
+        ("target", "registration.json", "--pixel", "1,2"),
+        ("target", "registration.json", "--pixel", "1,2", "--space", "screen"),
+        ("register",),
+        ("unknown",),
+    ],
+)
+def test_wrong_usage_is_status_2(arguments: tuple[str, ...]) -> None:
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr
+
+
+def test_plan_carm_prints_the_angles_of_a_prone_path() -> None:
+    result = run("plan-carm", "--entry", "-30,80,10", "--target", "-22,40,5", "--position", "prone")
+    assert result.exit_code == 0, result.output
+    printed = only_line(result)
+    assert printed["primary_angle_deg"] == pytest.approx(-168.6901, abs=5e-5)
+    assert printed["secondary_angle_deg"] == pytest.approx(6.9880, abs=5e-5)
+    assert printed["rotation_from_vertical_deg"] == pytest.approx(11.3099, abs=5e-5)
+
+
+def test_plan_carm_refuses_a_path_of_no_length() -> None:
+    result = run("plan-carm", "--entry", "1,2,3", "--target", "1,2,3")
+    assert result.exit_code == 3
+    assert only_line(result)["reason"]["code"] == "path_implausible"
+
+
+@pytest.mark.parametrize("command", ["register", "target", "evaluate", "plan-carm"])
+def test_help_names_every_option_and_exits_with_0(command: str) -> None:
+    result = run(command, "--help")
+    assert result.exit_code == 0
+    assert "--help" in result.stdout
+
+
+@pytest.mark.parametrize("arguments", ["'plan-carm', '--entry', '0,80,0', '--target', '0,0,0'", "'register', '--help'"])
+def test_geometry_needs_neither_web_stack_nor_database(arguments: str) -> None:
+    script = (
+        "import sys\n"
+        "from service.cli.main import app\n"
+        f"app([{arguments}], standalone_mode=False)\n"
+        "import vision.registration, vision.evaluation, vision.result_json\n"
+        "loaded = {'fastapi', 'starlette', 'sqlalchemy', 'uvicorn', 'pydantic'} & set(sys.modules)\n"
+        "sys.exit(f'loaded: {loaded}' if loaded else 0)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
