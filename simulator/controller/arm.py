@@ -65,7 +65,8 @@ class Arm:
     @property
     def at_rest(self) -> bool:
         """Whether nothing moves now."""
-        return self._motion is None or self._motion.ramp.at_rest
+        ended = self._motion is None or self._motion.ramp.at_rest
+        return ended and not self.speeds_rad_s.any()
 
     @property
     def base_from_flange(self) -> Array:

@@ -22,8 +22,8 @@ class Ramp:
 
     @property
     def at_rest(self) -> bool:
-        """Whether the speed is zero: arrived, braked, or not yet started."""
-        return self.speed == 0.0
+        """Whether it stands and will not go on by itself: arrived, ended or held."""
+        return self.speed == 0.0 and (self.arrived or self._held or self._braking > 0.0)
 
     @property
     def arrived(self) -> bool:
