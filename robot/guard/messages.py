@@ -3,6 +3,7 @@
 Transforms are 4x4 in mm, times are seconds of CLOCK_MONOTONIC, which every process of a machine shares.
 """
 
+import re
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeAlias
@@ -12,6 +13,8 @@ import numpy as np
 from robot.arm import ArmState
 from robot.frames import Array, Transform, check_rigid
 from robot.refusal import Refusal
+
+_PERMIT_ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
 class Phase(StrEnum):
@@ -66,7 +69,7 @@ class BeginMove:
     Attributes
     ----------
     permit_id : str
-        Single use, for the life of the guard too.
+        As in `Heartbeat`; single use, for the life of the guard too.
     start_joints_rad : (6,)
         Joints bound by the permit (H04).
     flange_from_guide, payload_kg, payload_centre_mm
@@ -88,22 +91,37 @@ class BeginMove:
     payload_tolerance_mm: float
 
     def __post_init__(self) -> None:
+        _check_permit(self.permit_id)
         check_rigid(self.base_from_goal)
         check_rigid(self.flange_from_guide)
         _check_finite(self.start_joints_rad, 6)
         _check_finite(self.payload_centre_mm, 3)
-        if not (self.speed_mm_s > 0.0 and self.acceleration_mm_s2 > 0.0 and 0.0 <= self.duration_s < np.inf):
-            raise ValueError("a motion has a speed, an acceleration and a duration")
+        if not (0.0 < self.speed_mm_s < np.inf and 0.0 < self.acceleration_mm_s2 < np.inf):
+            raise ValueError("a motion has a speed and an acceleration")
+        tolerances = (
+            self.tcp_tolerance_mm,
+            self.tcp_tolerance_rad,
+            self.payload_tolerance_kg,
+            self.payload_tolerance_mm,
+        )
+        if not all(0.0 <= value < np.inf for value in (self.payload_kg, self.duration_s, *tolerances)):
+            raise ValueError("payload, tolerances and duration are finite and not negative")
 
 
 @dataclass(frozen=True, slots=True)
 class Heartbeat:
-    """The surgeon's hold, every 50 ms: number rises within a permit, challenge is the newest that was seen."""
+    """The surgeon's hold, every 50 ms: number rises within a permit, challenge is the newest that was seen.
+
+    ValueError unless the permit's id is 1 to 64 letters, digits, underscores or hyphens: it names a file.
+    """
 
     permit_id: str
     number: int
     challenge: str
     held: bool
+
+    def __post_init__(self) -> None:
+        _check_permit(self.permit_id)
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,6 +249,11 @@ class Disturbed:
 
 Command: TypeAlias = BeginMove | Heartbeat | Stop | Acknowledge
 Event: TypeAlias = Status | MotionStarted | MotionEnded | MoveRefused | StopSent | Fault | Disturbed
+
+
+def _check_permit(permit_id: str) -> None:
+    if _PERMIT_ID.fullmatch(permit_id) is None:
+        raise ValueError("the permit's id is not of 1 to 64 letters, digits, underscores or hyphens")
 
 
 def _check_finite(values: Array, count: int) -> None:

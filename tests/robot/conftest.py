@@ -1,0 +1,200 @@
+"""An arm of numbers for the pure parts; a controller and a guard, each a process of its own, for the rest."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from robot.arm import ArmState
+from robot.guard.messages import BeginMove
+from robot.kinematics import base_from_flange
+from robot.safety import SafetyState
+from simulator.controller import ControllerProcess, ControllerSettings, free_loopback_address
+
+Told = TypeVar("Told")
+PARKED_RAD = np.deg2rad([0.0, -90.0, 90.0, -90.0, -90.0, 0.0])
+
+
+@pytest.fixture
+def reading() -> ArmState:
+    """The parked arm at rest, at time 0 of both clocks."""
+    return ArmState(
+        controller_time_s=0.0,
+        received_at_s=0.0,
+        joints_rad=PARKED_RAD.copy(),
+        joint_speeds_rad_s=np.zeros(6),
+        base_from_tcp=base_from_flange(PARKED_RAD),
+        tcp_speed_mm_s=0.0,
+        tcp_turn_speed_rad_s=0.0,
+        payload_kg=1.0,
+        payload_centre_mm=np.array([0.0, 0.0, 50.0]),
+        safety_bits=1,
+        robot_status_bits=1,
+        robot_mode=7,
+        runtime_state=1,
+        program_running=False,
+        safety=SafetyState.NORMAL,
+    )
+
+
+@pytest.fixture
+def at(reading: ArmState) -> Callable[..., ArmState]:
+    """A reading at a time, the TCP displaced along base x and moving at a speed."""
+
+    def make(time_s: float, x_mm: float = 0.0, speed_mm_s: float = 0.0, **changes: object) -> ArmState:
+        pose = reading.base_from_tcp.copy()
+        pose[0, 3] += x_mm
+        joints = reading.joints_rad + x_mm * 1e-3
+        moved = replace(reading, controller_time_s=time_s, received_at_s=time_s, tcp_speed_mm_s=speed_mm_s)
+        return replace(moved, base_from_tcp=pose, joints_rad=joints, **{"program_running": True, **changes})
+
+    return make
+
+
+@pytest.fixture
+def move(reading: ArmState) -> BeginMove:
+    """Ten millimetres along base x."""
+    goal = reading.base_from_tcp.copy()
+    goal[0, 3] += 10.0
+    return BeginMove(
+        permit_id="permit-1",
+        base_from_goal=goal,
+        start_joints_rad=reading.joints_rad,
+        speed_mm_s=20.0,
+        acceleration_mm_s2=50.0,
+        duration_s=0.9,
+        flange_from_guide=np.eye(4),
+        payload_kg=1.0,
+        payload_centre_mm=np.array([0.0, 0.0, 50.0]),
+        tcp_tolerance_mm=0.05,
+        tcp_tolerance_rad=3e-4,
+        payload_tolerance_kg=0.05,
+        payload_tolerance_mm=5.0,
+    )
+
+
+class Bench:
+    """A surgeon's hand on a guard over a simulated controller."""
+
+    def __init__(self, controller: ControllerProcess, journal_folder: Path) -> None:
+        self.controller = controller
+        self.journal_folder = journal_folder
+        self.events: list[Event] = []
+        self.held = True
+        self.silent = False
+        self.delay_s = 0.0
+        self.last_challenge_at_s = 0.0
+        self._seen: deque[Status] = deque(maxlen=200)
+        self._beating: threading.Thread | None = None
+        self._over = threading.Event()
+        self.client = GuardClient(GuardConfig(controller.address, journal_folder), self._hear)
+
+    def start(self) -> None:
+        self.client.start()
+        self.until(lambda: self.client.status is not None and self.client.status.connected, 15.0)
+        self.client.acknowledge()
+        self.until(lambda: self.status.phase == "idle", 2.0)
+
+    def close(self) -> None:
+        self._over.set()
+        if self._beating is not None:
+            self._beating.join()
+        self.client.close()
+
+    @property
+    def status(self) -> Status:
+        status = self.client.status
+        assert status is not None
+        return status
+
+    def hold(self, permit_id: str) -> None:
+        """Send a heartbeat each 50 ms from now on, as the tablet does."""
+        self._beating = threading.Thread(target=self._beat, args=(permit_id,))
+        self._beating.start()
+        self.until(lambda: self.status.permit_id == permit_id and self.status.heartbeat_age_s is not None, 2.0)
+
+    def order(self, permit_id: str = "permit-1", step_mm: float = 40.0, **changes: object) -> BeginMove:
+        """A motion upwards from where the arm is, as the controller is set up."""
+        arm = self.status.arm
+        assert arm is not None
+        goal = arm.base_from_tcp.copy()
+        goal[2, 3] += step_mm
+        move = BeginMove(
+            permit_id, goal, arm.joints_rad, 20.0, 50.0, step_mm / 20.0 + 0.4, np.eye(4), 1.0,
+            np.array([0.0, 0.0, 50.0]), 0.05, 3e-4, 0.05, 5.0,
+        )  # fmt: skip
+        return replace(move, **changes)
+
+    def move(self, permit_id: str = "permit-1", step_mm: float = 40.0) -> MotionStarted:
+        """Hold, start a motion, and wait until the arm runs."""
+        self.hold(permit_id)
+        self.client.begin_move(self.order(permit_id, step_mm))
+        started = self.told(MotionStarted)
+        self.until(lambda: self.controller.state().tcp_speed_mm_s > 15.0, 3.0)
+        return started
+
+    def told(self, kind: type[Told], within_s: float = 10.0) -> Told:
+        """The newest event of a kind, awaited."""
+        self.until(lambda: any(isinstance(event, kind) for event in self.events), within_s)
+        return next(event for event in reversed(self.events) if isinstance(event, kind))
+
+    def count(self, kind: type[Event]) -> int:
+        return sum(isinstance(event, kind) for event in self.events)
+
+    def until(self, condition: Callable[[], bool], within_s: float) -> None:
+        deadline_s = time.monotonic() + within_s
+        while not condition():
+            assert time.monotonic() < deadline_s, [event for event in self.events if not isinstance(event, Status)]
+            time.sleep(0.002)
+
+    def first_stop_after(self, at_s: float) -> float:
+        """Seconds until the first stop reached the controller, by dashboard or register."""
+        stops = [
+            record.at_s - at_s
+            for record in self.controller.wire()
+            if record.at_s >= at_s and (record.text == "stop" or record.command == 255)
+        ]
+        return min(stops)
+
+    def stays_at_rest(self, for_s: float = 0.6) -> None:
+        """Nothing runs on the controller, and the arm stays where it is."""
+        self.until(lambda: not self.controller.state().moving, 3.0)
+        before = self.controller.state()
+        time.sleep(for_s)
+        after = self.controller.state()
+        assert after.program == ""
+        assert int(after.runtime_state) == 1  # stopped; a paused program could go on
+        assert np.array_equal(before.joints_rad, after.joints_rad)
+
+    def _hear(self, event: Event) -> None:
+        if isinstance(event, Status):
+            self._seen.append(event)
+        else:
+            self.events.append(event)
+
+    def _beat(self, permit_id: str) -> None:
+        for number in count(1):
+            now_s = time.monotonic()
+            known = [status for status in self._seen if status.sent_at_s <= now_s - self.delay_s]
+            if known and not self.silent:
+                self.last_challenge_at_s = known[-1].sent_at_s
+                self.client.heartbeat(Heartbeat(permit_id, number, known[-1].challenge, self.held))
+            if self._over.wait(0.05):
+                return
+
+
+@pytest.fixture
+def controller() -> Iterator[ControllerProcess]:
+    with ControllerProcess(ControllerSettings(address=free_loopback_address())) as process:
+        yield process
+
+
+@pytest.fixture
+def bench(controller: ControllerProcess, tmp_path: Path) -> Iterator[Bench]:
+    """A guard that is idle over a running controller; nothing is left behind."""
+    bench = Bench(controller, tmp_path / "journal")
+    bench.start()
+    yield bench
+    bench.close()
+    assert bench.client.process_id is None

@@ -1,0 +1,102 @@
+"""Feedback, rest and displacement, reading by reading (H21, H04)."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from robot.arm import ArmState
+from robot.guard.feedback import STALE_S, FeedbackWatch, Verdict
+from robot.guard.rest import DisplacementWatch, RestWatch
+
+At = Callable[..., ArmState]
+
+
+def test_advancing_readings_are_good_and_go_stale(at: At) -> None:
+    watch = FeedbackWatch()
+    assert [watch.take(at(0.008 * index)) for index in range(5)] == [Verdict.GOOD] * 5
+    assert watch.is_fresh(0.032 + STALE_S)
+    assert not watch.is_fresh(0.032 + STALE_S + 1e-6)
+
+
+@pytest.mark.parametrize("field", ["joints_rad", "joint_speeds_rad_s", "base_from_tcp", "payload_centre_mm"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_reading_with_a_number_that_is_none_is_not_kept(at: At, field: str, value: float) -> None:
+    watch = FeedbackWatch()
+    watch.take(at(0.0))
+    broken = np.array(getattr(at(0.008), field))
+    broken.flat[0] = value
+    assert watch.take(replace(at(0.008), **{field: broken})) is Verdict.NOT_FINITE
+    assert watch.newest is not None
+    assert watch.newest.controller_time_s == 0.0
+
+
+@pytest.mark.parametrize("time_s", [0.0, -0.008])
+def test_controller_time_that_stands_or_goes_back_is_out_of_order(at: At, time_s: float) -> None:
+    watch = FeedbackWatch()
+    watch.take(at(0.0))
+    assert watch.take(at(time_s)) is Verdict.OUT_OF_ORDER
+
+
+def test_pose_that_stands_while_a_speed_is_claimed_is_frozen(at: At) -> None:
+    watch = FeedbackWatch()
+    verdicts = [watch.take(at(0.008 * index, x_mm=3.0, speed_mm_s=18.0)) for index in range(20)]
+    assert verdicts[:12] == [Verdict.GOOD] * 12
+    assert verdicts[14:] == [Verdict.FROZEN] * 6  # from 0.1 s on
+
+
+def test_arm_at_rest_without_a_changing_bit_is_not_frozen(at: At) -> None:
+    watch = FeedbackWatch()
+    assert {watch.take(at(0.008 * index)) for index in range(200)} == {Verdict.GOOD}
+
+
+def test_controller_that_counts_from_zero_again_is_heard_after_a_reconnection(at: At) -> None:
+    watch = FeedbackWatch()
+    watch.take(at(1000.0))
+    watch.forget()
+    assert watch.take(at(0.0)) is Verdict.GOOD
+
+
+def test_rest_is_counted_from_the_end_of_the_motion(at: At) -> None:
+    watch = RestWatch()
+    assert watch.observe(at(0.0, speed_mm_s=5.0)) == 0.0
+    assert watch.observe(at(0.1)) == 0.0
+    assert watch.observe(at(0.4)) == pytest.approx(0.3)
+
+
+def test_creep_below_the_speed_of_noise_is_no_rest(at: At) -> None:
+    watch = RestWatch()
+    rests = [watch.observe(at(0.1 * index, x_mm=0.04 * index, speed_mm_s=0.4)) for index in range(20)]
+    assert max(rests) < 0.15  # s: 0.04 mm in each 0.1 s passes the 0.03 mm of one rest
+
+
+@pytest.mark.parametrize(("step_mm", "expected"), [(0.04, False), (0.06, True), (-0.06, True)])
+def test_displacement_is_told_above_its_limit(at: At, step_mm: float, expected: bool) -> None:
+    watch = DisplacementWatch()
+    watch.observe(at(0.0))
+    disturbed = watch.observe(at(0.1, x_mm=step_mm))
+    assert (disturbed is not None) == expected
+    assert disturbed is None or disturbed.offset_mm == pytest.approx(0.06)
+
+
+def test_displacement_by_many_small_steps_is_told(at: At) -> None:
+    watch = DisplacementWatch()
+    told = [watch.observe(at(0.1 * index, x_mm=0.01 * index)) for index in range(8)]
+    assert sum(disturbed is not None for disturbed in told) == 1
+
+
+def test_jogged_arm_is_told_twice_a_second_and_none_of_it_is_lost(at: At) -> None:
+    watch = DisplacementWatch()
+    told = [watch.observe(at(0.01 * index, x_mm=0.1 * index)) for index in range(301)]
+    offsets = [disturbed.offset_mm for disturbed in told if disturbed is not None]
+    assert 6 <= len(offsets) <= 7  # in 3 s
+    assert sum(offsets) >= 25.0  # of 30 mm; the rest is told with the next
+
+
+def test_accounted_motion_disturbs_nothing(at: At) -> None:
+    watch = DisplacementWatch()
+    watch.observe(at(0.0))
+    watch.account(at(1.0, x_mm=10.0))
+    assert watch.observe(at(1.1, x_mm=10.0)) is None
+    assert watch.observe(at(1.2)) is not None

@@ -1,0 +1,62 @@
+"""The journal on a disk that works, is cut short, and fails."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from robot.arm import ArmState
+from robot.guard.journal import EVENTS_FILE, Journal, read_lines, trajectory_file
+from robot.guard.messages import Acknowledge, Fault, FaultKind
+
+FAULT = Fault(FaultKind.ARM_OFF, 1.0, "off")
+
+
+def test_events_and_readings_are_on_the_disk_after_a_flush(tmp_path: Path, reading: ArmState) -> None:
+    journal = Journal(tmp_path / "new")
+    journal.record(FAULT)
+    journal.sample("p", reading)
+    journal.sample("p", reading)
+    assert journal.flush(5.0)
+    assert [line["type"] for line in read_lines(tmp_path / "new" / EVENTS_FILE)] == ["fault"]
+    samples = read_lines(tmp_path / "new" / trajectory_file("p"))
+    assert [sample["joints_rad"] for sample in samples] == [reading.joints_rad.tolist()] * 2
+    journal.close()
+
+
+def test_journal_goes_on_after_a_line_that_a_crash_cut_short(tmp_path: Path) -> None:
+    (tmp_path / EVENTS_FILE).write_bytes(b'{"type":"fault","at_s":1.0}\n{"type":"mot')
+    journal = Journal(tmp_path)
+    journal.record(Acknowledge())
+    journal.close()
+    assert [line["type"] for line in read_lines(tmp_path / EVENTS_FILE)] == ["fault", "acknowledge"]
+
+
+def test_flush_tells_that_something_was_not_written(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("in the way of the folder")
+    journal = Journal(blocked)
+    journal.record(FAULT)
+    assert not journal.flush(5.0)
+    blocked.unlink()
+    journal.record(FAULT)
+    assert journal.flush(5.0)  # the disk is well again
+    journal.close()
+
+
+def test_full_disk_is_told(tmp_path: Path) -> None:
+    (tmp_path / EVENTS_FILE).symlink_to("/dev/full")
+    journal = Journal(tmp_path)
+    journal.record(FAULT)
+    assert not journal.flush(5.0)
+    journal.close()
+
+
+def test_nothing_written_yet_reads_as_nothing(tmp_path: Path) -> None:
+    assert read_lines(tmp_path / EVENTS_FILE) == []
+
+
+@pytest.mark.parametrize("rubbish", [b"\x00\x00\x00\n", b"3\n", b"[1]\n"])
+def test_rubbish_in_the_journal_is_left_out(tmp_path: Path, rubbish: bytes) -> None:
+    (tmp_path / EVENTS_FILE).write_bytes(rubbish + json.dumps({"type": "fault"}).encode() + b"\n")
+    assert read_lines(tmp_path / EVENTS_FILE) == [{"type": "fault"}]

@@ -1,0 +1,113 @@
+"""Lines between service and guard: round trips, and everything else refused."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from robot.arm import ArmState
+from robot.errors import MessageError
+from robot.guard.lines import decode_command, decode_event, encode, plain
+from robot.guard.messages import (
+    Acknowledge,
+    BeginMove,
+    Command,
+    Disturbed,
+    EndCause,
+    Event,
+    Fault,
+    FaultKind,
+    Heartbeat,
+    MotionEnded,
+    MotionStarted,
+    MoveRefused,
+    Phase,
+    Status,
+    Stop,
+    StopSent,
+)
+from robot.refusal import Refusal, RefusalCode
+
+
+def events(arm: ArmState) -> list[Event]:
+    refusal = Refusal(RefusalCode.TCP_MISMATCH, "µ", 0.1, None)
+    return [
+        Status(7, 1.0, Phase.MOVING, "abc", True, arm, "p", True, 0.05),
+        Status(8, 1.0, Phase.HELD, "abc", False, None, None, False, None),
+        MotionStarted("p", 2.0, np.eye(4), np.zeros(6), np.eye(4), 1.0, np.zeros(3)),
+        MotionEnded("p", EndCause.MISSED, 3.0, True, True, 0.4, 0.001, arm, 2.9, "trajectory-p.jsonl", 12),
+        MotionEnded("p", EndCause.FEEDBACK_LOST, 3.0, False, False, None, None, None, None, "trajectory-p.jsonl", 0),
+        MoveRefused("p", 1.0, refusal),
+        StopSent("asked", 1.0, False),
+        Fault(FaultKind.GUARD_LOST, 1.0, "gone"),
+        Disturbed(1.0, 0.07, 0.0),
+    ]
+
+
+def test_every_message_comes_back_as_it_went(move: BeginMove, reading: ArmState) -> None:
+    commands: list[Command] = [move, Heartbeat("p", 3, "abc", True), Stop("asked"), Acknowledge()]
+    for command in commands:
+        assert plain(decode_command(encode(command))) == plain(command)
+    for event in events(reading):
+        line = encode(event)
+        assert line.count(b"\n") == 1
+        assert len(line) < 4096  # what a pipe takes whole
+        assert plain(decode_event(line)) == plain(event)
+
+
+def test_every_event_is_covered_above(reading: ArmState) -> None:
+    assert {type(event) for event in events(reading)} == set(Event.__args__)
+
+
+@given(line=st.binary(max_size=60) | st.text(max_size=60).map(str.encode))
+def test_noise_is_no_message(line: bytes) -> None:
+    with pytest.raises(MessageError):
+        decode_command(line)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"null",
+        b"[]",
+        b'{"type":"begin_move"}',
+        b'{"type":"status"}',  # an event is no command
+        b'{"type":"stop"}',
+        b'{"type":"stop","reason":3}',
+        b'{"type":"stop","reason":"x","more":1}',
+        b'{"type":"heartbeat","permit_id":"p","number":1.5,"challenge":"c","held":true}',
+        b'{"type":"heartbeat","permit_id":"p","number":1,"challenge":"c","held":1}',
+        b'{"type":"heartbeat","permit_id":"../p","number":1,"challenge":"c","held":true}',
+    ],
+)
+def test_message_of_the_wrong_shape_is_refused(line: bytes) -> None:
+    with pytest.raises(MessageError):
+        decode_command(line)
+
+
+@pytest.mark.parametrize("field", [field.name for field in dataclasses.fields(BeginMove) if field.name != "permit_id"])
+def test_motion_with_a_number_that_is_none_is_refused(move: BeginMove, field: str) -> None:
+    content = json.loads(encode(move))
+    content[field] = json.loads("NaN") if isinstance(content[field], float) else _with_nan(content[field])
+    with pytest.raises(MessageError):
+        decode_command(json.dumps(content).encode())
+
+
+def _with_nan(values: list) -> list:
+    broken = np.array(values)
+    broken.flat[0] = np.nan
+    return broken.tolist()
+
+
+@pytest.mark.parametrize("value", [np.nan, -1.0, 0.0])
+def test_motion_without_a_speed_is_the_callers_mistake(move: BeginMove, value: float) -> None:
+    with pytest.raises(ValueError):
+        dataclasses.replace(move, speed_mm_s=value)
+
+
+def test_motion_in_metres_is_the_callers_mistake_only_if_it_is_no_transform(move: BeginMove) -> None:
+    with pytest.raises(ValueError, match="proper"):
+        dataclasses.replace(move, base_from_goal=move.base_from_goal * 1e-3)
