@@ -139,7 +139,7 @@ def test_fiducials_are_where_the_points_project(
     assert list(found) == list(names)
     for name in names:
         # px; the nominal intrinsics are 2 % and 9 px off, as they are in a room
-        assert np.abs(found[name] - expected[name]).max() < 0.15, name
+        assert np.abs(found[name] - expected[name]).max() < 0.2, name
 
 
 def test_exchanged_rings_are_refused(vector_view: View, guide: Guide) -> None:
