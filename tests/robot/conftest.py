@@ -1,13 +1,20 @@
 """An arm of numbers for the pure parts; a controller and a guard, each a process of its own, for the rest."""
 
-from collections.abc import Callable
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import count
+from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import pytest
 
 from robot.arm import ArmState
-from robot.guard.messages import BeginMove
+from robot.guard.client import GuardClient, GuardConfig
+from robot.guard.messages import BeginMove, Event, Heartbeat, MotionStarted, Status
 from robot.kinematics import base_from_flange
 from robot.safety import SafetyState
 from simulator.controller import ControllerProcess, ControllerSettings, free_loopback_address
@@ -97,9 +104,7 @@ class Bench:
         self.until(lambda: self.status.phase == "idle", 2.0)
 
     def close(self) -> None:
-        self._over.set()
-        if self._beating is not None:
-            self._beating.join()
+        self._let_be()
         self.client.close()
 
     @property
@@ -110,6 +115,7 @@ class Bench:
 
     def hold(self, permit_id: str) -> None:
         """Send a heartbeat each 50 ms from now on, as the tablet does."""
+        self._let_be()
         self._beating = threading.Thread(target=self._beat, args=(permit_id,))
         self._beating.start()
         self.until(lambda: self.status.permit_id == permit_id and self.status.heartbeat_age_s is not None, 2.0)
@@ -166,6 +172,12 @@ class Bench:
         assert after.program == ""
         assert int(after.runtime_state) == 1  # stopped; a paused program could go on
         assert np.array_equal(before.joints_rad, after.joints_rad)
+
+    def _let_be(self) -> None:
+        if self._beating is not None:
+            self._over.set()
+            self._beating.join()
+            self._over.clear()
 
     def _hear(self, event: Event) -> None:
         if isinstance(event, Status):
