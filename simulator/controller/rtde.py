@@ -1,6 +1,7 @@
 """The RTDE server: negotiates recipes, sends one data packet a cycle, takes input packets."""
 
 import asyncio
+import socket
 import struct
 from collections.abc import Mapping
 from math import nan
@@ -14,8 +15,10 @@ from simulator.controller.states import Fault
 if TYPE_CHECKING:
     from simulator.controller.core import ControllerCore
 
-# A client that reads nothing is dropped, as real controllers do after some ten seconds.
-_BACKLOG_LIMIT_BYTES = 1_000_000
+# A client that reads nothing is dropped, as real controllers do after some ten seconds: at 137 kB/s this much waits
+# in the socket (the kernel doubles what it is asked for) and in the writer.
+_SOCKET_BUFFER_BYTES = 250_000
+_BACKLOG_LIMIT_BYTES = 800_000
 
 
 class RtdeConnection:
@@ -113,6 +116,7 @@ class RtdeServer:
 
     async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Answer one client until it leaves or breaks the protocol."""
+        writer.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SOCKET_BUFFER_BYTES)
         connection = RtdeConnection(self, writer)
         self._connections.add(connection)
         self._core.log.add(RTDE_PORT, "connected")

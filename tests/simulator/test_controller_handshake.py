@@ -38,9 +38,7 @@ def test_controller_time_advances_with_the_machine_at_125_hz(controller, start_c
     before, before_s = controller.state(), time.monotonic()
     time.sleep(2.0)
     after, elapsed_s = controller.state(), time.monotonic() - before_s
-    assert after.controller_time_s - before.controller_time_s == pytest.approx(
-        (after.cycles - before.cycles) * 0.008
-    )
+    assert after.controller_time_s - before.controller_time_s == pytest.approx((after.cycles - before.cycles) * 0.008)
     # two cycles of rounding; a held process counts as time that the controller stood still
     stalled_s = after.stalled_s - before.stalled_s
     assert after.controller_time_s - before.controller_time_s == pytest.approx(elapsed_s - stalled_s, abs=0.03)

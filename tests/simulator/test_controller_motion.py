@@ -88,7 +88,7 @@ def test_stop_along_the_line_ends_the_motion_within_its_deceleration(controller,
     client.control("stopL", 0.5, True)
     wait_until(lambda: controller.state().tcp_speed_mm_s == 0.0)
     stop_s = next(record.at_s for record in controller.wire() if record.command == 33)
-    times, points, _ = travelled(controller.samples(stop_s))
+    _, points, _ = travelled(controller.samples(stop_s))
     assert np.linalg.norm(points[-1] - points[0]) < 20.0**2 / (2 * 500.0) + 2 * 20.0 * CYCLE_S + 0.01  # mm
     stopped_at = client.receive("getActualTCPPose")
     time.sleep(0.2)

@@ -129,7 +129,7 @@ def test_dashboard_stop_ends_the_motion_for_good(moving, wait_until):
 
 
 def test_stop_during_a_pause_cannot_be_played_again(moving, wait_until):
-    controller, client = moving()
+    _, client = moving()
     client.dashboard("pause")
     client.dashboard("stop")
     wait_until(lambda: client.receive("getRuntimeState") == RuntimeState.STOPPED)
