@@ -40,6 +40,8 @@ _NEEDED: dict[Trigger, tuple[Link, ...]] = {
     Trigger.INSERTION_STARTED: tuple(Link),
     Trigger.TARGET_DONE: tuple(Link),
 }
+# A verification stands when the C-arm is turned away, so these ask for nothing above it.
+_RELY_ON_VERIFICATION = frozenset({Trigger.VERIFICATION_REJECTED, Trigger.INSERTION_STARTED, Trigger.TARGET_DONE})
 _MOVES = {
     Trigger.PLAN_REQUESTED: (),
     Trigger.MOVE_APPROVED: (Link.PLAN,),
@@ -64,6 +66,10 @@ _NO_WAY_ON = frozenset(
 )
 
 
+# Rows that are listed, and yet ask for a part of the chain.
+GUARDED_BY_CHAIN = frozenset({Trigger.TARGET_CONFIRMED, Trigger.CORRECTION_REQUESTED, *_MOVES})
+
+
 def usable_plan(case: CaseState) -> bool:
     """The case has a plan that no motion was started from, of a kind that may be used in this state."""
     return case.plan is not None and not case.plan.used and case.state in PLAN_STATES[case.plan.kind]
@@ -83,7 +89,7 @@ def first_missing(case: CaseState, trigger: Trigger, kind: PlanKind | None) -> L
         inputs = PLAN_INPUTS[kind] if kind else ()
         own = (link for link in _MOVES[trigger] if not (usable_plan(case) if link is Link.PLAN else case.permit))
         return next((link for link in inputs if case.link(link) is None), next(own, None))
-    if Link.VERIFICATION in _NEEDED.get(trigger, ()) and case.verification is not None:
+    if trigger in _RELY_ON_VERIFICATION and case.verification is not None:
         return None
     return next((link for link in _NEEDED.get(trigger, ()) if not _is_there(case, link)), None)
 

@@ -14,7 +14,7 @@ from workflow.facts import (
 )
 from workflow.inquiry import Inquiry
 from workflow.interlocks import INTERLOCKS
-from workflow.onwards import MAKERS, first_missing, from_the_guide, from_the_insertion, route, towards
+from workflow.onwards import GUARDED_BY_CHAIN, MAKERS, first_missing, from_the_guide, from_the_insertion, route, towards
 from workflow.plans import PLAN_STATES
 from workflow.refusals import Refusal, RefusalCode
 from workflow.states import INSERTION, OVER, GuideState, State
@@ -40,7 +40,8 @@ def _reason(inquiry: Inquiry, verdicts: Sequence[Verdict], is_listed: bool) -> R
     by_state = None if is_listed else _by_state(inquiry)
     by_guide = by_state or _by_guide(inquiry, verdicts)
     by_insertion = by_guide or (None if is_listed else _by_insertion(inquiry))
-    by_chain = by_insertion or _by_chain(inquiry)
+    needs_chain = not is_listed or inquiry.trigger in GUARDED_BY_CHAIN
+    by_chain = by_insertion or (_by_chain(inquiry) if needs_chain else None)
     if by_chain or not is_listed:
         return by_chain or _not_now(inquiry)
     return _by_plan_kind(inquiry) or _by_what_came(inquiry) or _by_interlock(inquiry, verdicts)

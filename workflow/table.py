@@ -220,7 +220,7 @@ INSERTION_ROWS: Entries = (
         [S.SLEEVE_INSERTED],
         Goto.SETTLE,
         do.archive_insertion,
-        settles_to=[S.REGISTERED, S.CARM_POSITIONED, S.CASE_OPEN],
+        settles_to=[S.REGISTERED, S.IMAGE_ACQUIRED, S.CARM_POSITIONED, S.CASE_OPEN],
     ),
     _row(29, T.GUIDE_STATE_STATED, LIVE, Goto.SAME, do.state_guide, on=[B.EMPTY]),
     _row(29, T.GUIDE_STATE_STATED, LIVE - {S.MOVING}, Goto.SAME, do.state_guide, on=[B.NOT_EMPTY]),

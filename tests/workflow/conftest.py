@@ -1,7 +1,6 @@
 """A case that tests can drive: facts and readings that pass, to be spoilt one at a time."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import count
 from typing import Any
@@ -17,7 +16,7 @@ from workflow.plans import PLAN_INPUTS, PlanKind
 from workflow.refusals import Refusal
 from workflow.snapshot import Reading, SafetyMode, SafetySnapshot
 from workflow.states import GuideState, State
-from workflow.triggers import Trigger as T
+from workflow.triggers import Trigger
 
 JOINTS = (0.1, -1.2, 1.3, -0.4, 1.5, 0.2)
 TOKEN = 1
@@ -64,7 +63,7 @@ GOOD_QUALITY = f.RegistrationQuality(
 SURGEON = f.Approval("surgeon", surgeon=True, pin_confirmed=True, control_token=TOKEN)
 
 
-def good_facts(case: CaseState, trigger: T, new_id: Any, kind: PlanKind = PlanKind.TARGETING) -> f.Facts:
+def good_facts(case: CaseState, trigger: Trigger, new_id: Any, kind: PlanKind = PlanKind.TARGETING) -> f.Facts:
     """What comes with a trigger when all is well with this very case."""
 
     def id_of(artefact: Any) -> str:
@@ -104,9 +103,9 @@ def good_facts(case: CaseState, trigger: T, new_id: Any, kind: PlanKind = PlanKi
         f.Evaluated: lambda: f.Evaluated(
             new_id("evaluation"),
             id_of(case.evaluated_image),
-            angle_error_rad=math.radians(0.5 if trigger is T.VERIFICATION_PASSED else 2.0),
+            angle_error_rad=math.radians(0.5 if trigger is Trigger.VERIFICATION_PASSED else 2.0),
             angle_bound_rad=math.radians(0.1),
-            position_error_mm=0.5 if trigger is T.VERIFICATION_PASSED else 3.0,
+            position_error_mm=0.5 if trigger is Trigger.VERIFICATION_PASSED else 3.0,
             position_bound_mm=0.1,
             agree=True,
         ),
@@ -135,24 +134,24 @@ def good_facts(case: CaseState, trigger: T, new_id: Any, kind: PlanKind = PlanKi
 
 
 # How a case gets to each state when all goes well.
-_AIMED = [T.PLAN_REQUESTED, T.MOVE_APPROVED]
+_AIMED = [Trigger.PLAN_REQUESTED, Trigger.MOVE_APPROVED]
 _STEPS = [
-    (State.CASE_OPEN, [T.GUIDE_STATE_STATED]),
-    (State.CARM_POSITIONED, [T.CARM_POSITION_CONFIRMED, T.EXPOSURE_REQUESTED]),
-    (State.IMAGE_ACQUIRED, [T.IMAGE_ARRIVED]),
-    (State.REGISTERED, [T.REGISTRATION_COMPLETED]),
-    (State.TARGET_CHOSEN, [T.TARGET_CONFIRMED, *_AIMED]),
-    (State.MOVING, [T.MOVE_STARTED]),
-    (State.MOVED, [T.ARRIVED, T.EXPOSURE_REQUESTED, T.IMAGE_ARRIVED]),
-    (State.VERIFIED, [T.VERIFICATION_PASSED]),
-    (State.INSERTING, [T.INSERTION_STARTED]),
-    (State.SLEEVE_INSERTED, [T.SLEEVE_IN]),
+    (State.CASE_OPEN, [Trigger.GUIDE_STATE_STATED]),
+    (State.CARM_POSITIONED, [Trigger.CARM_POSITION_CONFIRMED, Trigger.EXPOSURE_REQUESTED]),
+    (State.IMAGE_ACQUIRED, [Trigger.IMAGE_ARRIVED]),
+    (State.REGISTERED, [Trigger.REGISTRATION_COMPLETED]),
+    (State.TARGET_CHOSEN, [Trigger.TARGET_CONFIRMED, *_AIMED]),
+    (State.MOVING, [Trigger.MOVE_STARTED]),
+    (State.MOVED, [Trigger.ARRIVED, Trigger.EXPOSURE_REQUESTED, Trigger.IMAGE_ARRIVED]),
+    (State.VERIFIED, [Trigger.VERIFICATION_PASSED]),
+    (State.INSERTING, [Trigger.INSERTION_STARTED]),
+    (State.SLEEVE_INSERTED, [Trigger.SLEEVE_IN]),
 ]
 _ASIDE = {
-    State.OFF_TARGET: (State.MOVED, T.VERIFICATION_FAILED),
-    State.SAFE_HOLD: (State.REGISTERED, T.HOLD_REQUESTED),
-    State.CLOSED: (State.REGISTERED, T.CASE_CLOSED),
-    State.ABORTED: (State.REGISTERED, T.CASE_ABORTED),
+    State.OFF_TARGET: (State.MOVED, Trigger.VERIFICATION_FAILED),
+    State.SAFE_HOLD: (State.REGISTERED, Trigger.HOLD_REQUESTED),
+    State.CLOSED: (State.REGISTERED, Trigger.CASE_CLOSED),
+    State.ABORTED: (State.REGISTERED, Trigger.CASE_ABORTED),
 }
 
 
@@ -169,10 +168,10 @@ class Walk:
     def new_id(self, what: str) -> str:
         return f"{what}-{next(self._numbers)}"
 
-    def facts(self, trigger: T, *, kind: PlanKind = PlanKind.TARGETING, **changes: Any) -> f.Facts:
+    def facts(self, trigger: Trigger, *, kind: PlanKind = PlanKind.TARGETING, **changes: Any) -> f.Facts:
         return replace(good_facts(self.case, trigger, self.new_id, kind), **changes)
 
-    def ask(self, trigger: T, facts: f.Facts | None = None, **changes: Any) -> Decision | Refusal:
+    def ask(self, trigger: Trigger, facts: f.Facts | None = None, **changes: Any) -> Decision | Refusal:
         """Fire a trigger and keep what became of the case."""
         given = facts if facts is not None else self.facts(trigger, **changes)
         answer = decide(self.case, trigger, given, self.snapshot, self.limits, self.now_s)
@@ -180,13 +179,13 @@ class Walk:
             self.case = answer.after
         return answer
 
-    def do(self, trigger: T, facts: f.Facts | None = None, **changes: Any) -> Decision:
+    def do(self, trigger: Trigger, facts: f.Facts | None = None, **changes: Any) -> Decision:
         """The same, where it must be taken."""
         answer = self.ask(trigger, facts, **changes)
         assert isinstance(answer, Decision), answer
         return answer
 
-    def refused(self, trigger: T, facts: f.Facts | None = None, **changes: Any) -> Refusal:
+    def refused(self, trigger: Trigger, facts: f.Facts | None = None, **changes: Any) -> Refusal:
         """The same, where it must be refused and nothing may change."""
         before = self.case
         answer = self.ask(trigger, facts, **changes)
@@ -219,31 +218,16 @@ def walk() -> Walk:
     return Walk()
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def new_walk() -> type[Walk]:
     return Walk
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def snapshot_of() -> Any:
     return good_snapshot
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def facts_of() -> Any:
     return good_facts
-
-
-@pytest.fixture
-def quality() -> f.RegistrationQuality:
-    return GOOD_QUALITY
-
-
-@pytest.fixture
-def approval() -> f.Approval:
-    return SURGEON
-
-
-@pytest.fixture
-def joints() -> Iterator[tuple[float, ...]]:
-    yield JOINTS

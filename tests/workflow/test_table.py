@@ -21,6 +21,8 @@ HELD = "inserting sleeve_inserted safe_hold"
 OVER = "closed aborted"
 AIMED = "target_chosen moved verified off_target"
 
+NOT_EXPOSING = f"case_open image_acquired registered target_chosen moving verified off_target {HELD} {OVER}"
+
 # trigger | from | to | effects: -X+ voids X and below, -X voids X, +X makes X, !E keeps a passed E. One line a row of
 # the description, in its order; "settle" is worked out below. Facts are those of a case in which all goes well.
 SECOND_TABLE = f"""
@@ -28,7 +30,7 @@ SECOND_TABLE = f"""
  2 | exposure_requested      | carm_positioned moved                 | same            | window
  3 | image_arrived           | carm_positioned                       | image_acquired  | +I
  4 | image_arrived           | moved                                 | same            |
- 5 | image_arrived           | case_open image_acquired registered target_chosen moving verified off_target {HELD} {OVER} | same |
+ 5 | image_arrived           | {NOT_EXPOSING} | same |
  6 | newest_image_reused     | carm_positioned                       | image_acquired  | +I
  7 | registration_completed  | image_acquired                        | registered      | +R
  8 | registration_refused    | image_acquired                        | carm_positioned | -I+
