@@ -43,7 +43,7 @@ class ControllerSettings:
     watchdog_outcome: WatchdogOutcome = WatchdogOutcome.STOP_PROGRAM
     emergency_robot_mode: RobotMode = RobotMode.POWER_OFF
     input_registers_exclusive: bool = True  # a second client that asks for them gets IN_USE
-    tool_lever_mm: float = 100.0  # a linear move turns at most at speed / lever
+    tool_lever_mm: float = 250.0  # length that a linear move counts for one radian of turn
 
     @property
     def cycle_s(self) -> float:
