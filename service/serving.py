@@ -5,6 +5,7 @@ import signal
 import socket
 
 import uvicorn
+from fastapi import FastAPI
 
 from service.app import create_app
 from service.settings import Settings
@@ -28,11 +29,20 @@ def run(settings: Settings) -> None:
 
 async def _serve(settings: Settings) -> None:
     app = create_app(settings)
-    config = uvicorn.Config(
+    async with app.router.lifespan_context(app):
+        # uvicorn raises the signal that ended it once more; the default action would skip the parts' own ending.
+        for ending in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(ending, lambda *_: None)
+        await _Server(server_config(app, settings)).serve()
+
+
+def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
+    """How uvicorn is to serve `app`."""
+    return uvicorn.Config(
         app,
         host=settings.http.host,
         port=settings.http.port,
-        lifespan="off",  # entered here, so that a refusal to start reaches the caller with its type
+        lifespan="off",  # entered beside it, so that a refusal to start reaches the caller with its type
         log_config=None,
         access_log=False,
         # An open event stream would hold the service up for ever; stopping the arm never waits for this.
@@ -40,8 +50,3 @@ async def _serve(settings: Settings) -> None:
         ws_max_size=settings.http.max_body_bytes,
         server_header=False,
     )
-    async with app.router.lifespan_context(app):
-        # uvicorn raises the signal that ended it once more; the default action would skip the parts' own ending.
-        for ending in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(ending, lambda *_: None)
-        await _Server(config).serve()

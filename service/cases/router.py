@@ -24,6 +24,7 @@ router = APIRouter(tags=["cases"])
 Reader = Annotated[Session, Depends(require(Permission.READ))]
 AuditReader = Annotated[Session, Depends(require(Permission.READ_AUDIT))]
 PartsOfRoom = Annotated[Parts, Depends(parts_of)]
+LARGEST_SEQUENCE = 2**31 - 1
 
 
 class CaseView(BaseModel):
@@ -97,7 +98,7 @@ def read_one_case(case_id: str, response: Response, _: Reader, parts: PartsOfRoo
 
 @router.get("/cases/{case_id}/audit", openapi_extra=may_fail_with(ErrorCode.CASE_UNKNOWN))
 def read_case_record(
-    case_id: str, _: AuditReader, parts: PartsOfRoom, after: Annotated[int, Query(ge=0)] = 0
+    case_id: str, _: AuditReader, parts: PartsOfRoom, after: Annotated[int, Query(ge=0, le=LARGEST_SEQUENCE)] = 0
 ) -> list[dict[str, Any]]:
     """The events of a case behind sequence `after`, each with the whole state after it."""
     with parts.database.read() as connection:
@@ -106,7 +107,9 @@ def read_case_record(
 
 
 @router.get("/audit")
-def read_audit(_: AuditReader, parts: PartsOfRoom, after: Annotated[int, Query(ge=0)] = 0) -> list[dict[str, Any]]:
+def read_audit(
+    _: AuditReader, parts: PartsOfRoom, after: Annotated[int, Query(ge=0, le=LARGEST_SEQUENCE)] = 0
+) -> list[dict[str, Any]]:
     """Audit events that belong to no case, behind number `after`."""
     with parts.database.read() as connection:
         return list_audit(connection, after)

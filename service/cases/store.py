@@ -1,5 +1,8 @@
 """The event store: a case is its events, and unique (case, sequence) is the optimistic lock.
 
+Write transactions never overlap (engines.py), so the version read here is still the newest when the event is added;
+the unique key is the proof of it, not the means.
+
 Every function takes the connection of the caller's transaction, so that an event, its artefacts, the attempt and the
 idempotency key commit together or not at all.
 """
@@ -9,7 +12,6 @@ from typing import Any
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
-from sqlalchemy.exc import IntegrityError
 
 from service.cases.records import (
     ArtefactKind,
@@ -79,13 +81,15 @@ def append(
     """
     last = newest_event(connection, case_id)
     if expected_version is not None and last.version != expected_version:
-        raise _stale(expected_version, last.version)
+        raise ServiceError(
+            ErrorCode.VERSION_STALE,
+            "the case has changed since it was read",
+            measured=last.version,
+            limit=expected_version,
+        )
     sequence = last.sequence + 1
     version = sequence if event.changes_state else last.version
-    try:
-        stored = _insert_event(connection, case_id, event, sequence=sequence, version=version)
-    except IntegrityError as error:  # another writer took the sequence number, where writers can overlap
-        raise _stale(last.version, sequence) from error
+    stored = _insert_event(connection, case_id, event, sequence=sequence, version=version)
     for artefact in artefacts:
         _insert_artefact(connection, stored, artefact)
     return stored
@@ -196,9 +200,3 @@ def _event(row: sa.Row[Any]) -> StoredEvent:
 def _artefact(row: sa.Row[Any]) -> StoredArtefact:
     fields = {name: row._mapping[name] for name in _ARTEFACT} | {"made_from": tuple(row.made_from)}
     return StoredArtefact(**fields, columns={k: v for k, v in row._mapping.items() if k not in _ARTEFACT})
-
-
-def _stale(expected: int, found: int) -> ServiceError:
-    return ServiceError(
-        ErrorCode.VERSION_STALE, "the case has changed since it was read", measured=found, limit=expected
-    )

@@ -19,6 +19,8 @@ from service.errors import ErrorCode, ServiceError
 _BUSY_S = 15.0
 # Any constant will do, as long as every writer of this schema takes the same one.
 _WRITER_LOCK = 0x636F6178
+# Parameters are hidden because an error's text goes to the log, and patient data never does.
+_OPTIONS: dict[str, Any] = {"json_serializer": to_text, "hide_parameters": True}
 
 
 @dataclass(slots=True)
@@ -62,9 +64,8 @@ def open_database(url: str) -> Database:
 
 
 def _sqlite_engine(address: sa.URL, *, writes: bool) -> Engine:
-    engine = sa.create_engine(
-        address, json_serializer=to_text, connect_args={"timeout": _BUSY_S, "check_same_thread": False}
-    )
+    connect_args = {"timeout": _BUSY_S, "check_same_thread": False}
+    engine = sa.create_engine(address, **_OPTIONS, connect_args=connect_args)
 
     @sa.event.listens_for(engine, "connect")
     def prepare(dbapi: Any, _record: Any) -> None:
@@ -93,7 +94,7 @@ def _assert_pragma(dbapi: Any, name: str, value: str, expected: object) -> None:
 def _postgresql_engine(address: sa.URL, *, writes: bool) -> Engine:
     options = {} if writes else {"postgresql_readonly": True}
     level = "READ COMMITTED" if writes else "REPEATABLE READ"
-    engine = sa.create_engine(address, json_serializer=to_text, isolation_level=level)
+    engine = sa.create_engine(address, **_OPTIONS, isolation_level=level)
     engine = engine.execution_options(**options)
     if writes:
 

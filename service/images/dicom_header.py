@@ -21,10 +21,8 @@ _TEXTS = {
     "PhotometricInterpretation": "photometric_interpretation",
     "SeriesInstanceUID": "series_uid",
 }
+_COUNTS = {"Rows": "rows", "Columns": "columns", "BitsStored": "bits"}
 _NUMBERS = {
-    "Rows": "rows",
-    "Columns": "columns",
-    "BitsStored": "bits",
     "PositionerPrimaryAngle": "positioner_primary_deg",
     "PositionerSecondaryAngle": "positioner_secondary_deg",
     "DistanceSourceToDetector": "source_to_detector_mm",
@@ -61,6 +59,7 @@ def read_header(content: bytes, settings: DicomSettings) -> tuple[DicomHeader, S
 def _header(dataset: Dataset) -> DicomHeader:
     metadata: dict[str, Any] = {key: str(dataset[word].value) for word, key in _TEXTS.items() if _has(dataset, word)}
     metadata |= {key: float(dataset[word].value) for word, key in _NUMBERS.items() if _has(dataset, word)}
+    metadata |= {key: int(dataset[word].value) for word, key in _COUNTS.items() if _has(dataset, word)}
     metadata["frames"] = int(dataset.get("NumberOfFrames") or 1)
     pixels = dataset.get("PixelData")
     return DicomHeader(
@@ -73,12 +72,13 @@ def _header(dataset: Dataset) -> DicomHeader:
 
 
 def _problem(dataset: Dataset, header: DicomHeader, settings: DicomSettings) -> ServiceError | None:
-    rows, columns = (int(header.metadata.get(key, 0)) for key in ("rows", "columns"))
+    rows, columns = header.metadata.get("rows", 0), header.metadata.get("columns", 0)
+    pixels = rows * columns * header.metadata["frames"]
     if not dataset.get("PixelData") or rows <= 0 or columns <= 0 or header.sop_uid is None:
         return ServiceError(ErrorCode.NOT_AN_IMAGE, "no SOP instance UID, no pixel data, or no size")
-    if rows * columns * int(header.metadata["frames"]) > settings.max_pixels:
+    if pixels > settings.max_pixels:
         return ServiceError(
-            ErrorCode.IMAGE_BYTES_TOO_LARGE, "too many pixels", measured=rows * columns, limit=settings.max_pixels
+            ErrorCode.IMAGE_BYTES_TOO_LARGE, "too many pixels", measured=pixels, limit=settings.max_pixels
         )
     if min(rows, columns) < settings.min_side_px:
         return ServiceError(
@@ -87,7 +87,7 @@ def _problem(dataset: Dataset, header: DicomHeader, settings: DicomSettings) -> 
             measured=min(rows, columns),
             limit=settings.min_side_px,
         )
-    return _truncation(dataset, rows * columns * int(header.metadata["frames"]))
+    return _truncation(dataset, pixels)
 
 
 def _truncation(dataset: Dataset, pixels: int) -> ServiceError | None:

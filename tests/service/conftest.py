@@ -1,17 +1,21 @@
 """Real components: SQLite on disk, the whole service behind a real socket; only password hashing is made cheap."""
 
+import asyncio
 import shutil
-import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 import httpx
+import numpy as np
 import pytest
 import uvicorn
 from argon2 import PasswordHasher
+from pydicom.dataset import Dataset, FileMetaDataset
+from pydicom.uid import ExplicitVRLittleEndian, XRayAngiographicImageStorage, generate_uid
 
 from service.app import create_app
 from service.auth.permissions import Role
@@ -19,6 +23,7 @@ from service.auth.users import UserStore
 from service.database.engines import Database, open_database
 from service.database.migrate import migrate
 from service.parts import Parts
+from service.serving import server_config
 from service.settings import DicomSettings, HttpSettings, Settings
 
 PASSWORD, PIN = "correct horse", "2468"
@@ -72,20 +77,26 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningService
 
 
 def serve_in_thread(settings: Settings) -> Iterator[RunningService]:
+    """The service of `settings` on a free port, in a thread with an event loop of its own."""
     app = create_app(settings)
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        server = uvicorn.Server(uvicorn.Config(app, log_config=None, timeout_graceful_shutdown=1))
-        thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
-        thread.start()
-        try:
-            _wait_until_started(server, thread)
-            parts: Parts = app.state.parts
-            users = UserStore(parts.database, CHEAP_HASHER)
-            tokens = {role: parts.sessions.create(users.add(role.value, role, PASSWORD, PIN))[0] for role in Role}
-            yield RunningService(f"http://127.0.0.1:{listener.getsockname()[1]}", parts, tokens)
-        finally:
-            server.should_exit = True
-            thread.join()
+    server = uvicorn.Server(server_config(app, settings))
+
+    async def serve() -> None:
+        async with app.router.lifespan_context(app):
+            await server.serve()
+
+    thread = threading.Thread(target=asyncio.run, args=(serve(),))
+    thread.start()
+    try:
+        _wait_until_started(server, thread)
+        parts: Parts = app.state.parts
+        users = UserStore(parts.database, CHEAP_HASHER)
+        tokens = {role: parts.sessions.create(users.add(role.value, role, PASSWORD, PIN))[0] for role in Role}
+        port = server.servers[0].sockets[0].getsockname()[1]
+        yield RunningService(f"http://127.0.0.1:{port}", parts, tokens)
+    finally:
+        server.should_exit = True
+        thread.join()
 
 
 def _wait_until_started(server: uvicorn.Server, thread: threading.Thread) -> None:
@@ -94,3 +105,33 @@ def _wait_until_started(server: uvicorn.Server, thread: threading.Thread) -> Non
         assert thread.is_alive(), "the service did not start"
         assert time.monotonic() < give_up
         time.sleep(0.01)
+
+
+@pytest.fixture
+def make_xray() -> Callable[..., bytes]:
+    return _xray
+
+
+def _xray(rows: int = 96, columns: int = 80, seed: int = 0, **elements: object) -> bytes:
+    """An XA image; `elements` replace those it would have, None removes one."""
+    dataset = Dataset()
+    dataset.file_meta = FileMetaDataset()
+    dataset.file_meta.TransferSyntaxUID = ExplicitVRLittleEndian
+    dataset.SOPClassUID = XRayAngiographicImageStorage
+    dataset.SOPInstanceUID = generate_uid()
+    dataset.PatientID, dataset.PatientName, dataset.StudyInstanceUID = "P1", "Doe^Jane", "1.2.3"
+    dataset.Modality, dataset.PhotometricInterpretation = "XA", "MONOCHROME2"
+    dataset.Rows, dataset.Columns, dataset.SamplesPerPixel, dataset.PixelRepresentation = rows, columns, 1, 0
+    dataset.BitsAllocated, dataset.BitsStored, dataset.HighBit = 16, 12, 11
+    dataset.PositionerPrimaryAngle, dataset.DistanceSourceToDetector = 10.5, 1000.0
+    dataset.PixelData = np.random.default_rng(seed).integers(0, 4000, rows * columns, np.uint16).tobytes()
+    for name, value in elements.items():
+        if value is None:
+            delattr(dataset, name)
+        else:
+            setattr(dataset, name, value)
+    dataset.file_meta.MediaStorageSOPClassUID = dataset.SOPClassUID
+    dataset.file_meta.MediaStorageSOPInstanceUID = dataset.SOPInstanceUID
+    content = BytesIO()
+    dataset.save_as(content, enforce_file_format=True)
+    return content.getvalue()

@@ -67,12 +67,17 @@ def test_a_reader_sees_one_moment_while_a_writer_commits(database):
         assert reader.execute(count).scalar_one() == before + 1
 
 
+def _claim_twice(database: Database) -> None:
+    with database.write() as connection:
+        connection.execute(sa.insert(tables.room_claims).values(_CLAIM))
+        connection.execute(sa.insert(tables.room_claims).values(_CLAIM))
+
+
 def test_an_exception_leaves_nothing_behind_and_wakes_nobody(database):
     woken = []
     database.on_commit.append(lambda: woken.append(True))
-    with pytest.raises(IntegrityError), database.write() as connection:
-        connection.execute(sa.insert(tables.room_claims).values(_CLAIM))
-        connection.execute(sa.insert(tables.room_claims).values(_CLAIM))
+    with pytest.raises(IntegrityError):
+        _claim_twice(database)
     with database.read() as connection:
         assert connection.execute(sa.select(tables.room_claims)).all() == []
     assert woken == []

@@ -1,0 +1,84 @@
+"""The permission table covers every route, and every role meets over HTTP exactly what the table says."""
+
+import pytest
+
+from service.app import ROUTERS
+from service.auth.dependencies import any_session, stop_caller
+from service.auth.permissions import ROLE_PERMISSIONS, Permission, Role
+
+# Who signs in has no session yet; health tells nothing.
+_OPEN = {"POST /session", "GET /health"}
+# One's own session, whatever it is still good for.
+_OWN_SESSION = {"GET /session", "DELETE /session", "POST /session/lock", "POST /session/unlock"}
+
+
+def _calls(dependant) -> list:
+    return [dependant.call, *(call for inner in dependant.dependencies for call in _calls(inner))]
+
+
+def _routes() -> dict[str, list]:
+    """Everything that the routes of each method and path depend on."""
+    routes = {}
+    for router in ROUTERS:
+        for route in router.routes:
+            for method in getattr(route, "methods", None) or {"WEBSOCKET"}:
+                routes[f"{method} {route.path}"] = _calls(route.dependant)
+    return routes
+
+
+_PERMISSIONS = {
+    name: {call.permission for call in calls if hasattr(call, "permission")} for name, calls in _routes().items()
+}
+
+
+@pytest.mark.parametrize("name", sorted(_routes()))
+def test_every_route_asks_for_one_permission_or_is_listed_as_an_exception(name):
+    calls = _routes()[name]
+    if name in _OPEN:
+        assert any_session not in calls
+    elif name in _OWN_SESSION:
+        assert any_session in calls
+    elif stop_caller in calls:
+        assert "stop" in name, "only a stop may do without the database"
+    else:
+        assert len(_PERMISSIONS[name]) == 1, "Depends(require(Permission...)) is missing, or two are given"
+
+
+def test_no_exception_is_left_over():
+    assert _routes().keys() >= _OPEN | _OWN_SESSION
+
+
+def test_every_role_has_a_row_and_may_read_and_stop():
+    assert ROLE_PERMISSIONS.keys() == set(Role)
+    assert all({Permission.READ, Permission.STOP} <= permissions for permissions in ROLE_PERMISSIONS.values())
+
+
+def test_only_a_surgeon_approves_and_moves():
+    for permission in (Permission.APPROVE, Permission.MOVE, Permission.TARGET, Permission.TAKE_LEASE):
+        assert [role for role in Role if permission in ROLE_PERMISSIONS[role]] == [Role.SURGEON]
+
+
+def _requests() -> list[tuple[str, str]]:
+    return [(name.split()[0], name.split()[1]) for name in sorted(_routes()) if not name.startswith("WEBSOCKET")]
+
+
+@pytest.mark.parametrize(("method", "path"), _requests(), ids=lambda value: value)
+def test_a_stranger_is_refused_at_every_route(running, method, path):
+    if f"{method} {path}" in _OPEN:
+        return
+    with running.client(None) as client:
+        response = client.request(method, path.replace("{kind}", "guide").replace("{case_id}", "x"))
+    assert response.status_code == 401
+    assert response.json()["code"] == "not_signed_in"
+
+
+@pytest.mark.parametrize(("method", "path"), _requests(), ids=lambda value: value)
+def test_a_role_without_the_permission_is_refused_and_one_with_it_is_not(running, method, path):
+    permissions = _PERMISSIONS[f"{method} {path}"]
+    if not permissions:
+        return
+    for role in Role:
+        with running.client(role) as client:
+            response = client.request(method, path.replace("{kind}", "guide").replace("{case_id}", "x"))
+        refused = response.headers["content-type"] == "application/problem+json" and response.json()["code"]
+        assert (refused == "permission_missing") is not (permissions <= ROLE_PERMISSIONS[role]), role

@@ -1,0 +1,173 @@
+"""Users, sessions, lock-out: the clock is injected, the database is real."""
+
+from dataclasses import replace
+
+import pytest
+import sqlalchemy as sa
+
+from service.auth.permissions import Role
+from service.auth.proofs import Proofs
+from service.auth.session import SessionStatus
+from service.auth.sessions import SessionStore
+from service.database import tables
+from service.errors import ErrorCode, ServiceError
+from service.settings import SessionSettings
+
+_RULES = SessionSettings(lifetime_s=1000, idle_lock_s=100, wrong_answers=3, lock_out_s=60)
+
+
+class Clock:
+    """Wall-clock seconds that a test moves."""
+
+    def __init__(self) -> None:
+        self.now_s = 1_000_000.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def anna(users):
+    return users.add("anna", Role.SURGEON, "correct horse", "2468")
+
+
+@pytest.fixture
+def sessions(database, clock):
+    return SessionStore(database, _RULES, clock)
+
+
+@pytest.fixture
+def proofs(database, users, clock):
+    return Proofs(database, users, _RULES, clock)
+
+
+def _code(call, *arguments) -> str:
+    with pytest.raises(ServiceError) as refusal:
+        call(*arguments)
+    return refusal.value.code
+
+
+@pytest.mark.parametrize(
+    ("name", "password", "pin"),
+    [
+        ("", "correct horse", "2468"),
+        ("an na", "correct horse", "2468"),
+        ("anna", "short", "2468"),
+        ("anna", "x" * 257, "2468"),
+        ("anna", "correct horse", "12"),
+        ("anna", "correct horse", "abcd"),
+        ("anna", "correct horse", "٢٤٦٨"),
+    ],
+)
+def test_a_user_that_breaks_a_rule_is_refused(users, name, password, pin):
+    assert _code(users.add, name, Role.SURGEON, password, pin) == ErrorCode.USER_REFUSED
+
+
+def test_a_name_is_taken_once(users, anna):
+    assert _code(users.add, "anna", Role.AUDITOR, "correct horse", "2468") == ErrorCode.USER_EXISTS
+
+
+def test_neither_password_nor_pin_nor_token_is_in_the_database(database, users, anna, sessions, tmp_path):
+    token, _ = sessions.create(anna)
+    database.close()
+    content = b"".join(file.read_bytes() for file in tmp_path.iterdir())
+    for secret in ("correct horse", token):
+        assert secret.encode() not in content
+
+
+def test_password_and_pin_are_checked(proofs, sessions, anna):
+    assert proofs.sign_in("anna", "correct horse") == anna
+    _, session = sessions.create(anna)
+    proofs.confirm_pin(session, "2468")
+    assert _code(proofs.sign_in, "anna", "wrong") == ErrorCode.SIGN_IN_REFUSED
+    assert _code(proofs.sign_in, "nobody", "correct horse") == ErrorCode.SIGN_IN_REFUSED
+    assert _code(proofs.confirm_pin, session, "1357") == ErrorCode.PIN_REFUSED
+
+
+def test_the_last_wrong_answer_locks_out_the_right_one_too_until_the_time_is_over(proofs, anna, clock):
+    codes = [_code(proofs.sign_in, "anna", "wrong") for _ in range(3)]
+    assert codes == [ErrorCode.SIGN_IN_REFUSED] * 3
+    assert _code(proofs.sign_in, "anna", "correct horse") == ErrorCode.LOCKED_OUT
+    clock.now_s += 61
+    assert proofs.sign_in("anna", "correct horse") == anna
+
+
+def test_a_lock_out_survives_a_restart(database, users, proofs, anna, clock):
+    for _ in range(3):
+        _code(proofs.sign_in, "anna", "wrong")
+    restarted = Proofs(database, users, _RULES, clock)
+    assert _code(restarted.sign_in, "anna", "correct horse") == ErrorCode.LOCKED_OUT
+
+
+def test_wrong_pins_lock_the_pin_of_that_user_only(proofs, sessions, users, anna):
+    _, session = sessions.create(anna)
+    _, other = sessions.create(users.add("ben", Role.SURGEON, "correct horse", "1111"))
+    for _ in range(3):
+        _code(proofs.confirm_pin, session, "0000")
+    assert _code(proofs.confirm_pin, session, "2468") == ErrorCode.LOCKED_OUT
+    proofs.confirm_pin(other, "1111")
+
+
+def test_right_answers_in_between_forgive_wrong_ones(proofs, anna):
+    for _ in range(4):
+        _code(proofs.sign_in, "anna", "wrong")
+        proofs.sign_in("anna", "correct horse")
+
+
+def test_wrong_answers_are_in_the_audit(database, proofs, anna):
+    _code(proofs.sign_in, "anna", "wrong")
+    with database.read() as connection:
+        kinds = connection.execute(sa.select(tables.audit_events.c.kind)).scalars().all()
+    assert kinds == ["wrong_answer"]
+
+
+def test_a_session_locks_after_a_pause_and_expires_at_its_end(sessions, anna, clock):
+    token, session = sessions.create(anna)
+    clock.now_s += 90
+    assert sessions.find(token).status is SessionStatus.ACTIVE
+    clock.now_s += 90  # 180 s after the sign-in, 90 s after the last use
+    assert sessions.find(token).status is SessionStatus.ACTIVE
+    clock.now_s += 101
+    assert sessions.find(token).status is SessionStatus.LOCKED
+    sessions.unlock(session)
+    assert sessions.find(token).status is SessionStatus.ACTIVE
+    clock.now_s += 1000
+    assert sessions.find(token).status is SessionStatus.EXPIRED
+
+
+def test_looking_at_a_locked_session_does_not_keep_it_from_being_locked(sessions, anna, clock):
+    token, _ = sessions.create(anna)
+    for _ in range(3):
+        clock.now_s += 101
+        assert sessions.find(token).status is SessionStatus.LOCKED
+
+
+def test_locked_and_expired_sessions_are_remembered_for_the_stop_and_revoked_ones_are_not(sessions, anna, clock):
+    token, session = sessions.create(anna)
+    sessions.lock(session)
+    clock.now_s += 5000
+    assert replace(sessions.remembered(token), status=session.status) == session
+    sessions.revoke(token)
+    assert sessions.remembered(token) is None
+    assert sessions.find(token) is None
+
+
+def test_sessions_outlive_the_service_and_so_does_the_stop(database, sessions, anna, clock):
+    token, session = sessions.create(anna)
+    restarted = SessionStore(database, _RULES, clock)
+    assert restarted.find(token) == session
+    assert restarted.remembered(token) == session
+
+
+def test_a_disabled_user_is_out_at_once(users, sessions, proofs, anna):
+    token, session = sessions.create(anna)
+    users.disable("anna")
+    assert sessions.find(token) is None
+    assert _code(proofs.sign_in, "anna", "correct horse") == ErrorCode.SIGN_IN_REFUSED
+    assert _code(proofs.confirm_pin, session, "2468") == ErrorCode.PIN_REFUSED
+    assert _code(users.disable, "anna") == ErrorCode.USER_UNKNOWN
