@@ -114,7 +114,8 @@ def evaluate_registration(
     refused = check_depth(registration.view(), guide, depth_mm)
     if refused:
         return refused
-    nominal = nominal_intrinsics(registration.carm, registration.image.rows, registration.image.columns)
+    image, pixel_size_mm = registration.image, registration.distortion.pixel_size_mm
+    nominal = nominal_intrinsics(registration.carm, image.rows, image.columns, pixel_size_mm)
     centres = true_centres(rings, guide, nominal)
     if isinstance(centres, Refusal):
         return centres

@@ -40,7 +40,7 @@ class View:
     source_from_guide: Array
 
 
-def nominal_intrinsics(carm: CArm, rows: int, columns: int) -> Intrinsics:
+def nominal_intrinsics(carm: CArm, rows: int, columns: int, pixel_size_mm: float | None = None) -> Intrinsics:
     """Intrinsics that the C-arm file predicts: distance over pixel size, centre of the image.
 
     Parameters
@@ -48,14 +48,16 @@ def nominal_intrinsics(carm: CArm, rows: int, columns: int) -> Intrinsics:
     carm : CArm
         Source-to-image distance and field of view, mm.
     rows, columns : int
-        Size of the image; the longer side spans the field of view.
+        Size of the image.
+    pixel_size_mm : float or None
+        Size of a corrected pixel as the plate shows it; without it the image's longer side spans the field of view.
 
     Returns
     -------
     Intrinsics
         Corrected pixels.
     """
-    alpha_px = carm.source_to_image_mm * max(rows, columns) / carm.field_of_view_mm
+    alpha_px = carm.source_to_image_mm / (pixel_size_mm or carm.field_of_view_mm / max(rows, columns))
     return Intrinsics(alpha_px, alpha_px, (columns - 1) / 2.0, (rows - 1) / 2.0)
 
 

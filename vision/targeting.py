@@ -1,5 +1,6 @@
 """Where the guide must go so that its axis holds the X-ray source and the target: eq. (2) to (7)."""
 
+import math
 from dataclasses import dataclass
 from typing import assert_never
 
@@ -14,6 +15,8 @@ from vision.registered import DEFAULT_DEPTH_MM, PixelSpace, PredictedError, Regi
 from vision.uncertainty import predicted_error
 
 Array = NDArray[np.float64]
+
+_INVERSE_WITHIN_PX = 0.01  # a corrected pixel mapped to raw and back
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,10 +103,25 @@ def locate(registration: Registration, pixel: tuple[float, float], space: PixelS
             outside = _check_inside(registration, picked[0])
             return outside or PickedPixel(picked[0], registration.distortion.corrected_from_raw(picked)[0])
         case PixelSpace.CORRECTED:
-            raw = registration.distortion.raw_from_corrected(picked)[0]
-            return _check_inside(registration, raw) or PickedPixel(raw, picked[0])
+            raw = _raw_from_corrected(registration, picked)
+            return raw if isinstance(raw, Refusal) else PickedPixel(raw, picked[0])
         case _:
             assert_never(space)
+
+
+def _raw_from_corrected(registration: Registration, picked: Array) -> Array | Refusal:
+    """Raw pixel (2,) of a corrected one (1, 2), if the map has one there and it lies in the image."""
+    distortion = registration.distortion
+    try:
+        with np.errstate(all="ignore"):  # far outside the plate the polynomial may run off
+            raw = distortion.raw_from_corrected(picked)
+            distance_px = float(np.linalg.norm(distortion.corrected_from_raw(raw) - picked))
+    except np.linalg.LinAlgError:
+        distance_px = math.inf
+    if not distance_px <= _INVERSE_WITHIN_PX:
+        message = "the target's corrected pixel has no raw pixel: distance of the nearest found, px"
+        return Refusal(RefusalCode.TARGET_OUTSIDE_IMAGE, message, distance_px, _INVERSE_WITHIN_PX)
+    return _check_inside(registration, raw[0]) or raw[0]
 
 
 def _check_inside(registration: Registration, raw: Array) -> Refusal | None:
@@ -111,13 +129,12 @@ def _check_inside(registration: Registration, raw: Array) -> Refusal | None:
     rows, columns = registration.image.rows, registration.image.columns
     half = np.array([columns, rows]) / 2.0
     from_centre = np.abs(raw - (half - 0.5))
-    beyond = float((from_centre - half).max())
+    beyond_px = float((from_centre - half).max())
     if registration.carm.detector is DetectorKind.INTENSIFIER:
-        beyond = max(beyond, float(np.linalg.norm(from_centre) - half.max()))
-    if beyond <= 0.0:
+        beyond_px = max(beyond_px, float(np.linalg.norm(from_centre) - half.max()))
+    if beyond_px <= 0.0:
         return None
-    message = "the target lies outside the image, by px"
-    return Refusal(RefusalCode.TARGET_OUTSIDE_IMAGE, message, beyond, 0.0)
+    return Refusal(RefusalCode.TARGET_OUTSIDE_IMAGE, "the target lies outside the image, by px", beyond_px, 0.0)
 
 
 def _check_in_front(view: View, pixel_corrected: Array) -> Refusal | None:

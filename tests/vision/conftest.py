@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
-from vision.distortion import DistortionMap
 
 from vision.conics import RingPair, ellipse_from_conic
 from vision.devices import CArm, Guide, read_carm, read_guide
+from vision.distortion import DistortionMap
 from vision.paper import solve
 from vision.projection import Intrinsics, View, fiducials_in_guide, project, ring_conic
 from vision.refusal import Refusal
@@ -134,6 +134,7 @@ class ShiftedMap:
     shift_px: tuple[float, float]
     balls: int = 0
     rms_px: float = 0.0
+    pixel_size_mm: float = 360.0 / 1024.0
 
     def corrected_from_raw(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Corrected pixels (n, 2)."""
