@@ -94,5 +94,8 @@ class Arm(Protocol):
     def give_up_control(self) -> None:
         """Stop the control script and close its connection; harmless without control."""
 
+    def is_stuck(self) -> bool:
+        """Whether only a new process can take control again."""
+
     def close(self) -> None:
         """Close every connection."""

@@ -34,7 +34,11 @@ class UR5:
         self._dashboard = DashboardLink(address)
         self._receive: RTDEReceiveInterface | None = None
         self._control: RTDEControlInterface | None = None
+        self._ending: Thread | None = None
         self._closing: Thread | None = None
+        self._closed_by_s = 0.0
+        # The library's destructor sleeps half a second in which no other thread runs and no stop could be sent: closed
+        # interfaces, which hold nothing any more, are kept until the process ends.
         self._closed: list[RTDEControlInterface] = []
         self._read_time_s = -1.0
 
@@ -111,22 +115,27 @@ class UR5:
         return self._dashboard.send_stop()
 
     def stop_script(self) -> None:
-        """End the control script over its own connection; harmless without control."""
-        if self._control is not None and self._control.isConnected():
-            self._control.stopScript()
+        """End the control script over its own connection, in the background; harmless without control.
+
+        The library may wait for ever for a controller whose answers have frozen; the dashboard's stop does not.
+        """
+        if self._control is not None and self._ending is None:
+            self._ending = Thread(target=self._control.stopScript, name="ending", daemon=True)
+            self._ending.start()
 
     def give_up_control(self) -> None:
-        """Stop the control script and close its connection in the background; harmless without control.
-
-        Closing sleeps half a second, and the destructor another half in which no other thread runs and no stop could
-        be sent: so closed interfaces, which hold nothing any more, are kept until the process ends.
-        """
+        """Stop the control script and close its connection, in the background; harmless without control."""
         self.stop_script()
-        control, self._control = self._control, None
-        if control is not None:
-            self._closed.append(control)
-            self._closing = Thread(target=control.disconnect, name="closing", daemon=True)
+        if self._control is not None and self._ending is not None:
+            self._closing = Thread(target=_close, args=(self._control, self._ending), name="closing", daemon=True)
             self._closing.start()
+            self._closed_by_s = time.monotonic() + _CLOSING_S
+            self._closed.append(self._control)
+        self._control = self._ending = None
+
+    def is_stuck(self) -> bool:
+        """Whether the connection of an earlier motion does not close: only the end of the process closes it then."""
+        return self._closing is not None and self._closing.is_alive() and time.monotonic() > self._closed_by_s
 
     def close(self) -> None:
         """Stop, and close every connection."""
@@ -144,6 +153,8 @@ class UR5:
         """A second control connection would find the first one's registers in use."""
         if self._closing is not None:
             self._closing.join(_CLOSING_S)
+            if self._closing.is_alive():
+                raise ControllerRefusedError("the control connection of the last motion does not close")
 
     def _answers(self) -> bool:
         """Whether the RTDE port takes connections: the library's constructors hang on one that does not."""
@@ -157,6 +168,11 @@ class UR5:
         receive, self._receive = self._receive, None
         if receive is not None:
             receive.disconnect()
+
+
+def _close(control: RTDEControlInterface, ending: Thread) -> None:
+    ending.join()
+    control.disconnect()
 
 
 def _state(receive: RTDEReceiveInterface, time_s: float) -> ArmState:

@@ -10,6 +10,7 @@ from queue import Empty, SimpleQueue
 from threading import Thread
 from typing import BinaryIO, TypeAlias
 
+from robot.arm import Arm
 from robot.errors import MessageError
 from robot.guard.guard import Guard, Taken
 from robot.guard.journal import Journal
@@ -31,7 +32,7 @@ _Inbox: TypeAlias = SimpleQueue[Taken | _Parent]
 
 
 def run(arm_address: str, journal_folder: Path) -> None:
-    """Guard one arm until the parent is gone and the arm at rest."""
+    """Guard one arm until the parent is gone, or the arm's library stuck, and the arm at rest."""
     outbox = Outbox(_take_stdout())
     sys.setswitchinterval(_SWITCH_S)
     journal = Journal(journal_folder)
@@ -40,7 +41,7 @@ def run(arm_address: str, journal_folder: Path) -> None:
     inbox: _Inbox = SimpleQueue()
     _heed_signals(inbox)
     Thread(target=_receive, args=(sys.stdin.buffer, guard, inbox), name="commands", daemon=True).start()
-    _turn_until_over(guard, inbox, outbox)
+    _turn_until_over(guard, inbox, outbox, arm)
     journal.close()
     arm.send_stop()
     os._exit(0)  # the library's destructors would take seconds, and end nothing that is not ended
@@ -71,10 +72,10 @@ def _receive(lines: BinaryIO, guard: Guard, inbox: _Inbox) -> None:
     inbox.put(_Parent.GONE)
 
 
-def _turn_until_over(guard: Guard, inbox: _Inbox, outbox: Outbox) -> None:
+def _turn_until_over(guard: Guard, inbox: _Inbox, outbox: Outbox, arm: Arm) -> None:
     parent = os.getppid()
     orphaned = False
-    while not (orphaned and guard.phase in _AT_REST):
+    while not (guard.phase in _AT_REST and (orphaned or arm.is_stuck())):
         gone = _handle(guard, inbox) or outbox.broken or os.getppid() != parent
         if gone and not orphaned:  # a forked process may still hold the pipe: hence the look at the parent itself
             orphaned = True
