@@ -45,4 +45,5 @@ class EventFeed:
 
     def _wake(self) -> None:
         for loop, event in tuple(self._sleepers):
-            loop.call_soon_threadsafe(event.set)
+            if not loop.is_closed():
+                loop.call_soon_threadsafe(event.set)

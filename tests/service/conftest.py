@@ -135,3 +135,55 @@ def _xray(rows: int = 96, columns: int = 80, seed: int = 0, **elements: object) 
     content = BytesIO()
     dataset.save_as(content, enforce_file_format=True)
     return content.getvalue()
+
+
+@pytest.fixture(scope="session")
+def device_files() -> dict[str, str]:
+    """A plausible file of each kind."""
+    return {"guide": _GUIDE, "carm": _CARM, "tcp": _TCP}
+
+
+_GUIDE = """
+name = "reference-guide"
+version = 1
+[small_ring]
+radius = 20.0
+[big_ring]
+radius = 30.0
+[axis]
+separation = 60.0
+[indicator_line]
+start = 26.0
+end = 66.0
+[wire]
+diameter = 1.2
+[bead]
+position = [0.0, 45.0, -30.0]
+diameter = 3.0
+[tolerance]
+radius_sd = 0.02
+separation_sd = 0.03
+bead_sd = 0.05
+bore_concentricity_sd = 0.02
+"""
+_CARM = """
+name = "flat-panel"
+version = 1
+[geometry]
+source_to_image_distance = 1000.0
+source_to_image_distance_sd = 30.0
+principal_point_sd_px = 15.0
+[detector]
+kind = "flat-panel"
+field_of_view = 360.0
+"""
+_TCP = """
+name = "guide-on-flange"
+version = "1"
+[tcp]
+translation_mm = [20.0, -5.0, 150.0]
+rotation_vector_deg = [0.0, 0.0, 90.0]
+[payload]
+mass_kg = 0.8
+centre_mm = [1.0, 0.0, 60.0]
+"""

@@ -1,0 +1,58 @@
+"""One service per room, by a lock that dies with its holder (H19)."""
+
+import os
+import signal
+import subprocess
+import sys
+from contextlib import ExitStack
+
+import pytest
+
+from service.database.room_claim import room_claim
+from service.errors import ErrorCode, ServiceError
+
+_HOLD = """
+import sys, time
+from service.database.engines import open_database
+from service.database.room_claim import room_claim
+with room_claim(open_database(sys.argv[1]), "room-1"):
+    print("held", flush=True)
+    time.sleep(60)
+"""
+
+
+@pytest.fixture
+def other_service(database):
+    """Another process that holds the room."""
+    command = [sys.executable, "-c", _HOLD, str(database.writer.url)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "held\n"
+        yield process
+        process.kill()
+
+
+def test_a_second_service_is_refused_and_told_who_has_the_room(database, other_service):
+    with ExitStack() as stack, pytest.raises(ServiceError) as refusal:
+        stack.enter_context(room_claim(database, "room-1"))
+    assert refusal.value.code == ErrorCode.ROOM_CLAIMED
+    assert str(other_service.pid) in refusal.value.message
+
+
+def test_a_killed_service_gives_the_room_up_at_once(database, other_service):
+    other_service.kill()
+    other_service.wait()
+    with room_claim(database, "room-1"):
+        pass
+
+
+def test_a_stopped_service_keeps_its_room_however_long(database, other_service):
+    os.kill(other_service.pid, signal.SIGSTOP)
+    with ExitStack() as stack, pytest.raises(ServiceError):
+        stack.enter_context(room_claim(database, "room-1"))
+
+
+def test_the_room_is_free_after_the_block(database):
+    with room_claim(database, "room-1"):
+        pass
+    with room_claim(database, "room-1"):
+        pass
