@@ -231,6 +231,9 @@ class FaultKind(StrEnum):
     HEARTBEAT_LOST = "heartbeat_lost"
     GUARD_LOST = "guard_lost"
     FEEDBACK_LOST = "feedback_lost"
+    SAFETY_FAULT = "safety_fault"  # the controller's own fault or violation
+    ARM_OFF = "arm_off"
+    MOTION_FAULT = "motion_fault"  # commanded, and not done as commanded
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,7 +31,7 @@ _REGISTRATION = (
     image.PREDICTED_ANGLE,
     image.PREDICTED_POSITION,
 )
-_MOTION = (*_READY_ARM, *_DEVICES, arm.ARM_WHERE_PLANNED, motion.PLAN_PARENTS, motion.GUIDE_EMPTY, motion.NO_INSERTION)
+_MOTION = (*_READY_ARM, *_DEVICES, motion.GUIDE_EMPTY, motion.NO_INSERTION)
 EVALUATION = (verification.FIGURES_PLAUSIBLE, verification.IMAGE_EVALUATED, verification.EVALUATIONS_AGREE)
 VERIFICATION_LIMITS = (verification.ANGLE_ERROR, verification.POSITION_ERROR)
 # The pose held during the exposure is only worth something while every displacement since is accounted for.
@@ -51,6 +51,8 @@ REQUIRED: dict[Trigger, tuple[Interlock, ...]] = {
         motion.PIN,
         motion.LEASE,
         motion.DEVICES_KNOWN,
+        motion.PLAN_PARENTS,
+        arm.ARM_WHERE_PLANNED,
         *_MOTION,
     ),
     Trigger.MOVE_STARTED: (
