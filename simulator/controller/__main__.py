@@ -1,15 +1,22 @@
 """The process behind `ControllerProcess`: settings first, then calls, one JSON object a line; ends with its input."""
 
 import json
+import os
 import sys
+from contextlib import suppress
 from typing import Any
 
 from simulator.controller.codec import from_json, to_json
 from simulator.controller.controller import Controller
 
+# A real controller shares no processor with its clients: where that is allowed, their load does not delay its cycle.
+_PRIORITY = -10
+
 
 def main() -> None:
     """Run one controller until standard input closes."""
+    with suppress(PermissionError):
+        os.nice(_PRIORITY)
     first = json.loads(sys.stdin.readline())
     try:
         controller = Controller(from_json(first["settings"]))

@@ -160,7 +160,8 @@ class Arm:
     def brake_joints(self, deceleration_rad_s2: float) -> None:
         """Slow all joints down in step, leaving the path as stopj does."""
         fastest = float(np.abs(self.speeds_rad_s).max())
-        if self._motion is None or fastest == 0.0:
+        if self._motion is None or fastest == 0.0:  # also a motion that has only just begun
+            self.drop_motion()
             return
         run_out = fastest / (2.0 * deceleration_rad_s2)  # s: half of the braking time
         path = JointPath(self.joints_rad, self.joints_rad + self.speeds_rad_s * run_out)
@@ -181,7 +182,7 @@ class Arm:
             return True
         motion.ramp.advance(cycle_s, scaling)
         joints = motion.path.joints_at(motion.ramp.position, self.joints_rad)
-        if joints is None or np.abs(joints - self.joints_rad).max() > kinematics.JOINT_SPEED_LIMIT_RAD_S * cycle_s:
+        if joints is None or not self._can_follow(joints, cycle_s):
             self.drop_motion()
             return False
         self._record(joints, cycle_s)
@@ -190,6 +191,11 @@ class Arm:
         if motion.ramp.arrived:
             self._motion = None
         return True
+
+    def _can_follow(self, joints_rad: Array, cycle_s: float) -> bool:
+        fastest_rad_s = np.abs(joints_rad - self.joints_rad).max() / cycle_s
+        within = np.abs(joints_rad).max() <= kinematics.JOINT_LIMIT_RAD
+        return bool(within and fastest_rad_s <= kinematics.JOINT_SPEED_LIMIT_RAD_S)
 
     def _begin(self, path: Path, ramp: Ramp) -> None:
         settled = min(1.0, path.travel_mm / _SETTLING_TRAVEL_MM)

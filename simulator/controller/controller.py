@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulator.controller.core import ControllerCore
+from simulator.controller.pendant import Pendant
 from simulator.controller.servers import ControllerServers
 from simulator.controller.settings import ControllerSettings, Payload
 from simulator.controller.state import ArmSample, ControllerState, WireRecord
@@ -35,6 +36,7 @@ class Controller:
     def __init__(self, settings: ControllerSettings) -> None:
         self.settings = settings
         self._core = ControllerCore(settings)
+        self._pendant = Pendant(self._core)
         self._servers = ControllerServers(self._core)
         self._loop = asyncio.new_event_loop()
         self._stopping = asyncio.Event()
@@ -77,7 +79,7 @@ class Controller:
 
     def power(self, action: PowerAction) -> None:
         """Switch the arm's power from the pendant."""
-        self._call(lambda: self._core.power(action))
+        self._call(lambda: self._pendant.power(action))
 
     def jog(self, joints_delta_rad: Array, speed_rad_s: float = 0.2) -> None:
         """Move the joints (6,) by this much from the pendant, without a program; returns at once.
@@ -87,7 +89,7 @@ class Controller:
         ValueError
             If a program is loaded, or the arm moves or may not move.
         """
-        self._call(lambda: self._core.jog(joints_delta_rad, speed_rad_s))
+        self._call(lambda: self._pendant.jog(joints_delta_rad, speed_rad_s))
 
     def jog_linear(self, step_in_base_mm: Array, speed_mm_s: float = 20.0) -> None:
         """Move the TCP along a straight line from the pendant, without a program; returns at once.
@@ -97,7 +99,7 @@ class Controller:
         ValueError
             If a program is loaded, or the arm moves or may not move.
         """
-        self._call(lambda: self._core.jog_linear(step_in_base_mm, speed_mm_s))
+        self._call(lambda: self._pendant.jog_linear(step_in_base_mm, speed_mm_s))
 
     def push(self, step_in_base_mm: Array) -> None:
         """Disturb the arm: the TCP yields by this much in base coordinates, and the encoders see it.
@@ -107,7 +109,7 @@ class Controller:
         ValueError
             If the arm moves, where the push would be lost in the motion.
         """
-        self._call(lambda: self._core.push(step_in_base_mm))
+        self._call(lambda: self._pendant.push(step_in_base_mm))
 
     def teleport(self, joints_rad: Array) -> None:
         """Put the arm elsewhere between two cycles, to set a scene up."""
@@ -115,15 +117,15 @@ class Controller:
 
     def set_tcp(self, flange_from_tcp: Array) -> None:
         """Change the controller's TCP setting (4x4, mm), as somebody at the pendant could."""
-        self._call(lambda: setattr(self._core.arm, "flange_from_tcp", np.array(flange_from_tcp, dtype=np.float64)))
+        self._call(lambda: self._pendant.set_tcp(np.array(flange_from_tcp, dtype=np.float64)))
 
     def set_payload(self, payload: Payload) -> None:
         """Change the controller's payload setting."""
-        self._call(lambda: setattr(self._core, "payload", payload))
+        self._call(lambda: self._pendant.set_payload(payload))
 
     def set_speed_scaling(self, fraction: float) -> None:
         """Move the pendant's speed slider, 0 to 1."""
-        self._call(lambda: setattr(self._core, "speed_scaling", fraction))
+        self._call(lambda: self._pendant.set_speed_scaling(fraction))
 
     def wire(self, after: int = -1) -> tuple[WireRecord, ...]:
         """What reached the controller, oldest first, numbers above `after`."""

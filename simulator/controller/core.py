@@ -3,16 +3,16 @@
 import time
 from collections.abc import Mapping
 
-from simulator.controller.arm import Arm, Array
-from simulator.controller.commands import ProgramError
+from simulator.controller.arm import Arm
 from simulator.controller.framing import Value
 from simulator.controller.program import ControlProgram, OtherProgram, Program
+from simulator.controller.questions import ProgramError
 from simulator.controller.registers import Registers
 from simulator.controller.safety import Safety
 from simulator.controller.script import CONTROL_PROGRAM, Upload
 from simulator.controller.settings import ControllerSettings
 from simulator.controller.state import ArmSample
-from simulator.controller.states import Fault, PowerAction, RobotMode, RuntimeState, SafetyMode, WatchdogOutcome
+from simulator.controller.states import Fault, RobotMode, RuntimeState, SafetyMode, WatchdogOutcome
 from simulator.controller.watchdog import Watchdog
 from simulator.controller.wire_log import WireLog
 
@@ -107,56 +107,6 @@ class ControllerCore:
         """Brakes on, program over."""
         self.safety.power_off()
         self.stop_program()
-
-    def power(self, action: PowerAction) -> None:
-        """As from the pendant."""
-        match action:
-            case PowerAction.OFF:
-                self.power_off()
-            case PowerAction.ON:
-                self.safety.power_on(self.time_s)
-            case PowerAction.RELEASE_BRAKES:
-                self.safety.release_brakes(self.time_s)
-
-    def jog(self, joints_delta_rad: Array, speed_rad_s: float) -> None:
-        """Move the joints from the pendant.
-
-        Raises
-        ------
-        ValueError
-            If a program is loaded, or the arm moves or may not move.
-        """
-        self._require_free_arm()
-        self.arm.jog(joints_delta_rad, speed_rad_s)
-
-    def jog_linear(self, step_in_base_mm: Array, speed_mm_s: float) -> None:
-        """Move the TCP from the pendant.
-
-        Raises
-        ------
-        ValueError
-            If a program is loaded, or the arm moves or may not move.
-        """
-        self._require_free_arm()
-        self.arm.jog_linear(step_in_base_mm, speed_mm_s)
-
-    def push(self, step_in_base_mm: Array) -> None:
-        """Disturb an arm at rest, whether its brakes hold or its program does.
-
-        Raises
-        ------
-        ValueError
-            If the arm moves, where the push would be lost in the motion.
-        """
-        if self.arm.moving:
-            raise ValueError("the arm is moving")
-        self.arm.yield_to(step_in_base_mm)
-
-    def _require_free_arm(self) -> None:
-        if self.runtime_state is not RuntimeState.STOPPED or self.arm.moving:
-            raise ValueError("a program is loaded or the arm is moving")
-        if not self.safety.may_move:
-            raise ValueError("the arm is stopped or without power")
 
     def cycle(self) -> None:
         """One controller cycle: safety, program, joints."""

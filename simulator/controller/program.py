@@ -4,7 +4,8 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Protocol
 
 from simulator.controller.async_status import AsyncStatus
-from simulator.controller.commands import COMMANDS, REALTIME, ProgramError
+from simulator.controller.commands import COMMANDS, REALTIME
+from simulator.controller.questions import ProgramError
 from simulator.controller.script import CONTROL_PROGRAM, PathMove, Upload
 
 if TYPE_CHECKING:

@@ -96,6 +96,14 @@ def test_stop_along_the_line_ends_the_motion_within_its_deceleration(controller,
     assert client.control("getAsyncOperationProgress") < 0
 
 
+def test_joint_beyond_its_range_stops_protectively(controller, start_client, wait_until):
+    client = start_client(controller, "receive", "control")
+    controller.teleport(np.radians([0, -90, 90, -90, -90, 359]))
+    client.control("moveJ", np.radians([0, -90, 90, -90, -90, 362]).tolist(), 0.2, 0.5, True)
+    wait_until(lambda: client.receive("isProtectiveStopped"))
+    assert client.receive("getActualQ")[5] <= 2 * np.pi
+
+
 def test_new_move_during_a_move_starts_from_rest(controller, start_client, wait_until):
     client = start_client(controller, "receive", "control")
     started_s = time.monotonic()

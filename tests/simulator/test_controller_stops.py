@@ -50,6 +50,7 @@ def test_protective_stop_brings_the_arm_to_rest_and_pauses_the_program(moving, w
     assert client.receive("isProtectiveStopped") is True
     assert client.receive("getSafetyStatusBits") == 1 << 2 | 1 << 10
     assert client.receive("getRuntimeState") == RuntimeState.PAUSED
+    assert client.receive("getRobotStatus") == 3  # power, and a program that could go on
     assert client.dashboard("programState") == "PAUSED rtde_control"
 
 
@@ -126,6 +127,7 @@ def test_dashboard_stop_ends_the_motion_for_good(moving, wait_until):
     with pytest.raises(RuntimeError):
         client.dashboard("play")
     assert client.dashboard("running") is False
+    assert client.receive("getRobotStatus") == 1  # power alone
 
 
 def test_stop_during_a_pause_cannot_be_played_again(moving, wait_until):
