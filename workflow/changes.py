@@ -4,8 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from workflow.case import CaseState, Insertion, Motion, Verification, Window
-from workflow.case import Plan as CasePlan
+from workflow.case import CaseState, Insertion, Motion, Plan, Verification, Window
 from workflow.facts import (
     CarmPositionConfirmed,
     CorrectionRequested,
@@ -53,6 +52,7 @@ def void_view_keeping_passed(case: CaseState, _: Inquiry) -> CaseState:
 
 
 def void_verification(case: CaseState, _: Inquiry) -> CaseState:
+    """The guide is judged anew; motion and aim stay."""
     return replace(case, verification=None)
 
 
@@ -62,11 +62,13 @@ def forget_newest_image(case: CaseState, _: Inquiry) -> CaseState:
 
 
 def new_view(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """The C-arm stands somewhere: whatever was seen or asked for from elsewhere is void."""
     facts = inquiry.told(CarmPositionConfirmed)
     return replace(without(case, Link.VIEW), view=Artefact(facts.view_id, ()), window=None, newest_image_id=None)
 
 
 def open_window(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """Latch the joints and the motion that the image will show."""
     window = Window(
         id=inquiry.told(ExposureRequested).window_id,
         opened_s=inquiry.now_s,
@@ -77,10 +79,12 @@ def open_window(case: CaseState, inquiry: Inquiry) -> CaseState:
 
 
 def count_image(case: CaseState, _: Inquiry) -> CaseState:
+    """Every image counts, whatever becomes of it."""
     return replace(case, images=case.images + 1)
 
 
 def remember_image(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """The newest image that shows what is there."""
     return replace(case, newest_image_id=inquiry.told(ImageArrived).image_id)
 
 
@@ -96,31 +100,37 @@ def _image(case: CaseState, image_id: str) -> CaseState:
 
 
 def new_image(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """The arrived image enters the chain."""
     return _image(case, inquiry.told(ImageArrived).image_id)
 
 
 def reuse_image(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """The newest image enters the chain again."""
     return _image(case, inquiry.told(NewestImageReused).image_id)
 
 
 def evaluate_image(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """The arrived image is to verify the completed motion."""
     motion_id = case.motion.id if case.motion else ""
     image = Artefact(inquiry.told(ImageArrived).image_id, (motion_id,))
     return replace(case, evaluated_image=image, window=None)
 
 
 def new_registration(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """The guide was found in the image."""
     facts = inquiry.told(RegistrationCompleted)
     return replace(case, registration=Artefact(facts.registration_id, (facts.image_id,)))
 
 
 def new_target(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """A target, and nothing planned for it yet."""
     facts = inquiry.told(TargetConfirmed)
     target = Artefact(facts.target_id, (facts.image_id, facts.registration_id))
     return replace(without(case, Link.PLAN), target=target, corrections=0)
 
 
 def withdraw_target(case: CaseState, _: Inquiry) -> CaseState:
+    """No target, and no count of its corrections."""
     return replace(without(case, Link.TARGET), corrections=0)
 
 
@@ -137,8 +147,9 @@ def correct(case: CaseState, inquiry: Inquiry) -> CaseState:
 
 
 def new_plan(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """A plan, not yet approved."""
     facts = inquiry.told(PlanRequested)
-    plan = CasePlan(
+    plan = Plan(
         id=facts.plan_id,
         made_from=tuple(id_ for id_ in input_ids(case, facts.kind) if id_),
         kind=facts.kind,
@@ -151,6 +162,7 @@ def new_plan(case: CaseState, inquiry: Inquiry) -> CaseState:
 
 
 def new_permit(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """The surgeon approved the plan."""
     return replace(case, permit=issue(inquiry))
 
 
@@ -175,6 +187,13 @@ def start_motion(case: CaseState, inquiry: Inquiry) -> CaseState:
 
 
 def complete_motion(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """The arm is at rest where the target asked for it.
+
+    Raises
+    ------
+    ValueError
+        If this motion is not under way.
+    """
     facts, running = inquiry.told(MotionEnded), case.running
     if running is None or running.id != facts.motion_id:
         raise ValueError(f"motion {facts.motion_id} is not under way")
@@ -187,6 +206,7 @@ def close_motion(case: CaseState, _: Inquiry) -> CaseState:
 
 
 def new_verification(case: CaseState, inquiry: Inquiry, passed: bool) -> CaseState:
+    """A verdict on the completed motion, from the image that was evaluated."""
     facts, motion_id = inquiry.told(Evaluated), case.motion.id if case.motion else ""
     verification = Verification(
         id=facts.evaluation_id,
@@ -200,18 +220,22 @@ def new_verification(case: CaseState, inquiry: Inquiry, passed: bool) -> CaseSta
 
 
 def pass_verification(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """The guide points at the target."""
     return new_verification(case, inquiry, passed=True)
 
 
 def fail_verification(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """The guide points beside the target."""
     return new_verification(case, inquiry, passed=False)
 
 
 def drop_evaluation(case: CaseState, _: Inquiry) -> CaseState:
+    """The image could not be judged; another may be asked for."""
     return replace(case, evaluated_image=None)
 
 
 def open_insertion(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """From now on the guide is not empty."""
     id_ = inquiry.told(InsertionStarted).insertion_id
     insertion = Insertion(id_, InsertionStatus.OPEN, verified=False, flagged=False)
     return replace(case, insertion=insertion, guide=GuideState.INSTRUMENT)
@@ -242,20 +266,25 @@ def finish_unverified(case: CaseState, inquiry: Inquiry) -> CaseState:
 
 
 def cancel_insertion(case: CaseState, _: Inquiry) -> CaseState:
+    """Nothing went in."""
     return replace(case, insertion=None, guide=GuideState.EMPTY)
 
 
 def archive_insertion(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """The attempt is over; the aim goes with it, the registration stays."""
     return replace(withdraw_target(case, inquiry), insertion=None)
 
 
 def flag_insertion(case: CaseState, _: Inquiry) -> CaseState:
+    """Something moved or changed while the sleeve was in."""
     return replace(case, insertion=replace(case.insertion, flagged=True) if case.insertion else None)
 
 
 def state_guide(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """A person says what is in the guide."""
     return replace(case, guide=inquiry.told(GuideStated).guide)
 
 
 def take_lease(case: CaseState, inquiry: Inquiry) -> CaseState:
+    """Control goes to the newest fencing token."""
     return replace(case, control_token=inquiry.told(LeaseTaken).control_token)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeVar
 
 from workflow.findings import Finding, age_note, at_least, equals, fresh, is_true, within
@@ -90,7 +90,7 @@ def reads_within(reading: Callable[[SafetySnapshot], Reading[float]], age: Limit
     def check(inquiry: Inquiry) -> Finding:
         seen, age_s = reading(inquiry.snapshot), age(inquiry.limits)
         found = within(fresh(seen, age_s), limit(inquiry.limits), unit)
-        return Finding(found.passed, found.measured, found.limit, unit, age_note(seen, age_s))
+        return replace(found, note=age_note(seen, age_s) or found.note)
 
     return check
 
@@ -123,7 +123,7 @@ def joints_near(expected_rad: Callable[[Inquiry], Sequence[float] | None]) -> Ch
         live, expected = fresh(seen, limits.feedback_age_s), expected_rad(inquiry)
         difference = None if live is None or expected is None else _largest_difference_rad(live, expected)
         found = within(difference, limits.permit_joint_rad, "rad")
-        return Finding(found.passed, difference, found.limit, "rad", age_note(seen, limits.feedback_age_s))
+        return replace(found, note=age_note(seen, limits.feedback_age_s) or found.note)
 
     return check
 

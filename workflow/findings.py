@@ -25,14 +25,21 @@ class Finding:
 
 def within(measured: float | None, limit: float, unit: str) -> Finding:
     """A magnitude is known, finite and at most its limit."""
-    passed = measured is not None and math.isfinite(measured) and 0.0 <= measured <= limit * _ROUNDING
-    return Finding(passed, measured, limit, unit)
+    if measured is None or not math.isfinite(measured):
+        return _unmeasured(measured, limit, unit)
+    return Finding(0.0 <= measured <= limit * _ROUNDING, measured, limit, unit)
 
 
 def at_least(measured: float | None, limit: float, unit: str) -> Finding:
     """A number is known, finite and at least its limit."""
-    passed = measured is not None and math.isfinite(measured) and measured >= limit
-    return Finding(passed, measured, limit, unit)
+    if measured is None or not math.isfinite(measured):
+        return _unmeasured(measured, limit, unit)
+    return Finding(measured >= limit, measured, limit, unit)
+
+
+def _unmeasured(measured: float | None, limit: float, unit: str) -> Finding:
+    """Nothing that JSON could not hold goes into a record."""
+    return Finding(False, None, limit, unit, "unknown" if measured is None else "not a finite number")
 
 
 def is_true(measured: bool | None) -> Finding:

@@ -1,5 +1,6 @@
 """Each interlock alone: what passes at its limit, what refuses beyond it, and what is unknown, stale or no number."""
 
+import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -305,6 +306,7 @@ def test_it_refuses_and_names_its_hazard(new_walk, code, at):
     verdict = next(verdict for verdict in answer.verdicts if verdict.code == code)
     assert verdict.hazard == INTERLOCKS[code].hazard
     assert verdict.message
+    assert json.dumps([verdict.measured, verdict.limit], allow_nan=False)
 
 
 @pytest.mark.parametrize(("code", "at"), PASSING)
