@@ -11,6 +11,8 @@ import service.devices.router
 import service.images.router
 from service import room_status
 from service.assembly import assemble
+from service.conductor.background import conducting
+from service.conductor.routers import CONDUCTOR_ROUTERS
 from service.edge import Edge
 from service.openapi import described_by
 from service.parts import Parts
@@ -25,9 +27,10 @@ ROUTERS: tuple[APIRouter, ...] = (
     service.cases.router.router,
     service.devices.router.router,
     service.images.router.router,
+    *CONDUCTOR_ROUTERS,
 )
 # What runs beside the requests: entered in this order once the parts are up, left in reverse before they close.
-BACKGROUND: tuple[Callable[[FastAPI, Parts], AbstractAsyncContextManager[None]], ...] = ()
+BACKGROUND: tuple[Callable[[FastAPI, Parts], AbstractAsyncContextManager[None]], ...] = (conducting,)
 
 _DESCRIPTION = "Robot-assisted needle placement under C-arm fluoroscopy. Research software, not for clinical use."
 

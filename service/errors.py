@@ -36,6 +36,10 @@ class ErrorCode(StrEnum):
     VERSION_STALE = "version_stale"
     IDEMPOTENCY_KEY_MISSING = "idempotency_key_missing"
     IDEMPOTENCY_KEY_REUSED = "idempotency_key_reused"
+    PLANNED_TARGET_UNKNOWN = "planned_target_unknown"
+    IMAGE_NOT_REGISTERED = "image_not_registered"
+    EXPOSURE_POSE_UNKNOWN = "exposure_pose_unknown"
+    ARM_UNKNOWN = "arm_unknown"
     IMAGE_UNKNOWN = "image_unknown"
     IMAGE_BYTES_TOO_LARGE = "image_bytes_too_large"
     IMAGE_TRUNCATED = "image_truncated"
@@ -133,6 +137,10 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.VERSION_STALE: Answer(412, "Read the case again, look at what changed, then decide anew."),
     ErrorCode.IDEMPOTENCY_KEY_MISSING: Answer(400, "Send an Idempotency-Key that is new for every intent."),
     ErrorCode.IDEMPOTENCY_KEY_REUSED: Answer(422, "Use a new Idempotency-Key for a different request."),
+    ErrorCode.PLANNED_TARGET_UNKNOWN: Answer(404, "Choose one of the case's planned targets, or none."),
+    ErrorCode.IMAGE_NOT_REGISTERED: Answer(409, "Pick the target in the registered image that the status names."),
+    ErrorCode.EXPOSURE_POSE_UNKNOWN: Answer(409, "Request an exposure and take a new image."),
+    ErrorCode.ARM_UNKNOWN: Answer(409, "Connect the arm, switch it on, and wait until the status shows it."),
     ErrorCode.IMAGE_UNKNOWN: Answer(404, "Choose an image from the list."),
     ErrorCode.IMAGE_BYTES_TOO_LARGE: Answer(413, "Send a single frame below the limit in the answer."),
     ErrorCode.IMAGE_TRUNCATED: Answer(422, "Send the image again from the C-arm."),

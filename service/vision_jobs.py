@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 from vision.registration import register as register_image
-from vision.xray import decode
 
+from service.vision_echo import draw_point
 from vision import carm_angles as angles
 from vision.devices import read_carm, read_guide
 from vision.evaluation import evaluate as evaluate_image
@@ -19,6 +19,7 @@ from vision.registered import PixelSpace
 from vision.registration_json import from_json, to_json
 from vision.result_json import carm_angles_to_json, evaluation_to_json, refusal_to_json, targeting_to_json
 from vision.targeting import target as aim
+from vision.xray import decode
 
 Json = dict[str, Any]
 
@@ -68,6 +69,19 @@ def describe(image: bytes) -> Json:
     }
 
 
+def echo(image: bytes, registration: Json, pixel: tuple[float, float], space: str) -> Json:
+    """A picked point in both grids, drawn back into its image (H08)."""
+    decoded = decode(image)
+    if isinstance(decoded, Refusal):
+        return refusal_to_json(decoded)
+    aimed = aim(from_json(registration), pixel, PixelSpace(space))
+    if isinstance(aimed, Refusal):
+        return refusal_to_json(aimed)
+    raw_px = (float(aimed.target_raw_px[0]), float(aimed.target_raw_px[1]))
+    points = {"raw_px": list(raw_px), "corrected_px": aimed.target_corrected_px.tolist()}
+    return {"status": "drawn"} | points | draw_point(decoded.pixels, raw_px)
+
+
 JOBS: dict[str, Callable[..., Json]] = {
-    job.__name__: job for job in (register, target, evaluate, carm_angles, describe)
+    job.__name__: job for job in (register, target, evaluate, carm_angles, describe, echo)
 }

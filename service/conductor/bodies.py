@@ -44,6 +44,12 @@ class WithOptionalReason(Body):
     reason: OptionalReason = ""
 
 
+class ImageAgain(Body):
+    """An image that is stored already."""
+
+    image_id: Identifier
+
+
 class ImagePoint(Body):
     """A point tapped in an image, with the image and the grid that it is in (H08)."""
 

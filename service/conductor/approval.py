@@ -1,0 +1,51 @@
+"""The surgeon's approval of one plan: a single-use permit, with every interlock's measured value and limit."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends
+
+from service.auth.permissions import Permission, Role
+from service.cases.records import ArtefactKind, NewArtefact
+from service.conductor.answers import CommandAnswer
+from service.conductor.bodies import ApproveMove
+from service.conductor.caller import Caller, requesting
+from service.conductor.conductor import Conductor, TheConductor, new_id
+from service.conductor.taking import Prepared, Standing
+from workflow.facts import Approval, MoveApproved
+from workflow.triggers import Trigger
+
+router = APIRouter(tags=["motions of a case"])
+
+
+@router.post("/cases/{case_id}/move-approved")
+def move_approved(
+    body: ApproveMove, caller: Annotated[Caller, Depends(requesting(Permission.APPROVE))], conductor: TheConductor
+) -> CommandAnswer:
+    """Approve the newest plan with the PIN: the permit lives for seconds and is good for one held motion."""
+    approval = confirmed_approval(conductor, caller, body.pin)
+
+    def prepare(standing: Standing) -> Prepared:
+        facts = MoveApproved(new_id(), body.plan_id, approval)
+        plan = standing.case.plan
+        made_from = (plan.id, *plan.made_from) if plan is not None else ()
+        content = {
+            "plan_id": body.plan_id,
+            "control_token": approval.control_token,
+            "life_s": conductor.rules.limits.permit_life_s,
+        }
+        columns = {"approved_by": caller.session.user_id}
+        permit = NewArtefact(ArtefactKind.PERMIT, facts.permit_id, made_from, content, columns)
+        return Prepared(facts, (permit,), {"permit": facts.permit_id}, {"plan_id": body.plan_id}, content)
+
+    return conductor.perform(caller, Trigger.MOVE_APPROVED, prepare)
+
+
+def confirmed_approval(conductor: Conductor, caller: Caller, pin: str) -> Approval:
+    """Who approves, their PIN proved with this very request; ServiceError PIN_REFUSED or LOCKED_OUT."""
+    conductor.parts.proofs.confirm_pin(caller.session, pin)
+    return Approval(
+        person_id=caller.session.user_id,
+        surgeon=caller.session.role is Role.SURGEON,
+        pin_confirmed=True,
+        control_token=-1 if caller.control_token is None else caller.control_token,
+    )

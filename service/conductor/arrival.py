@@ -1,0 +1,110 @@
+"""An image arrived: whose it is, whether it was asked for, what it is for (H01, H02, H04, H28)."""
+
+import math
+from dataclasses import asdict
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection
+
+from service.cases import store
+from service.conductor.conductor import Conductor
+from service.conductor.taking import Prepared, Standing, Taken
+from service.database import tables
+from service.images.store import NewPurpose, StoredImage, assign_purpose, read_image
+from service.motion.exposures import Exposure
+from workflow.decisions import Decision, ImageUse
+from workflow.facts import ImageArrived
+from workflow.triggers import Trigger
+
+
+def take_in(conductor: Conductor, image_id: str) -> Taken | None:
+    """Give an image its purpose in the open case; None if the room has none."""
+    case_id = conductor.open_case()
+    if case_id is None:
+        with conductor.parts.database.write() as connection:
+            assign_purpose(connection, NewPurpose(image_id, None, ImageUse.UNASSIGNED, {}, ()))
+        return None
+    return conductor.observe(case_id, Trigger.IMAGE_ARRIVED, lambda standing: _prepare(conductor, standing, image_id))
+
+
+def _prepare(conductor: Conductor, standing: Standing, image_id: str) -> Prepared:
+    image = read_image(standing.connection, image_id)
+    window = standing.case.window
+    exposure = conductor.bridge.watch.exposure_of_window(window.id) if window is not None else None
+    facts = _facts(standing, image, exposure)
+
+    def assign(connection: Connection, decision: Decision) -> None:
+        entered = decision.image_use in (ImageUse.REGISTRATION, ImageUse.VERIFICATION)
+        if entered and window is not None:
+            conductor.bridge.watch.assign_exposure(window.id, image_id)
+        purpose = decision.image_use or ImageUse.UNASSIGNED
+        arm = _pose_json(exposure) if entered and exposure is not None else {}
+        verdicts = tuple(asdict(verdict) for verdict in decision.verdicts)
+        assign_purpose(connection, NewPurpose(image_id, standing.case.case_id, purpose, arm, verdicts))
+
+    data = {"image_id": image_id, "problem": image.problem}
+    return Prepared(facts, made={"image": image_id}, data=data, also=assign)
+
+
+def _facts(standing: Standing, image: StoredImage, exposure: Exposure | None) -> ImageArrived:
+    connection = standing.connection
+    case = store.read_case(connection, standing.case.case_id)
+    usable = image.problem is None  # of an image that is none, nothing is known that could pass
+    return ImageArrived(
+        image_id=image.id,
+        patient_matches=image.patient_id == case.patient_id if image.patient_id and usable else None,
+        study_matches=image.study_uid == case.study_uid if image.study_uid and usable else None,
+        sop_uid_unseen=_unseen(connection, image, "sop_uid") if usable else None,
+        pixels_unseen=_unseen(connection, image, "pixel_sha256") if usable else None,
+        newer_by_carm_clock=_newer(connection, image),
+        moved_mm=exposure.largest.offset_mm if exposure else None,
+        moved_rad=exposure.largest.angle_rad if exposure else None,
+    )
+
+
+def _unseen(connection: Connection, image: StoredImage, column: str) -> bool | None:
+    """Whether no earlier image has the same; None if this one does not say."""
+    value = getattr(image, column)
+    if value is None:
+        return None
+    images = tables.images
+    query = sa.select(1).where(images.c[column] == value, images.c.position < image.position)
+    return connection.execute(query.limit(1)).first() is None
+
+
+def _newer(connection: Connection, image: StoredImage) -> bool | None:
+    """Whether the C-arm's own clock went on since its previous image; its offset from ours is never trusted (H02)."""
+    taken = _carm_time(image.metadata)
+    if taken is None:
+        return None
+    images = tables.images
+    query = sa.select(images.c.metadata).where(images.c.position < image.position, images.c.problem.is_(None))
+    station = image.metadata.get("station")
+    for metadata in connection.execute(query.order_by(images.c.position.desc())).scalars():
+        before = _carm_time(metadata)
+        if before is not None and metadata.get("station") == station:
+            return taken > before
+    return True
+
+
+def _carm_time(metadata: Any) -> tuple[str, float] | None:
+    """Date and seconds of the acquisition, of the content where the acquisition is not told."""
+    for kind in ("acquisition", "content"):
+        day, time = metadata.get(f"{kind}_date"), metadata.get(f"{kind}_time")
+        if day and time and time[:6].isdigit():
+            seconds = int(time[:2]) * 3600 + int(time[2:4]) * 60 + float(time[4:])
+            return (str(day), seconds) if math.isfinite(seconds) else None
+    return None
+
+
+def _pose_json(exposure: Exposure) -> dict[str, Any]:
+    """The arm during the exposure: the pose that the goal is composed from."""
+    arm = exposure.latched
+    return {
+        "base_from_tcp": arm.base_from_tcp.tolist(),
+        "joints_rad": arm.joints_rad.tolist(),
+        "controller_time_s": arm.controller_time_s,
+        "moved_mm": exposure.largest.offset_mm,
+        "moved_deg": math.degrees(exposure.largest.angle_rad),
+    }

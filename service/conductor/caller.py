@@ -1,0 +1,63 @@
+"""Who sends a command, on which version, under which key: the same for every command of a case.
+
+Requests need If-Match and Idempotency-Key; facts are never refused, so they need neither.
+"""
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Annotated
+
+from fastapi import Depends, Header, Request
+
+from service.auth.dependencies import require
+from service.auth.permissions import Permission
+from service.auth.session import Session
+from service.cases.idempotency import Intent, intent_of
+from service.cases.preconditions import expected_version, intent
+
+
+@dataclass(frozen=True, slots=True)
+class Caller:
+    """A signed-in person and what came in the headers of their command."""
+
+    session: Session
+    case_id: str
+    version: int | None
+    intent: Intent | None
+    control_token: int | None
+
+
+ControlToken = Annotated[int | None, Header(ge=0, le=2**31)]
+
+
+def requesting(permission: Permission) -> Callable[..., Caller]:
+    """A dependency for requests; ServiceError VERSION_MISSING, IDEMPOTENCY_KEY_MISSING or PERMISSION_MISSING."""
+
+    def caller(
+        case_id: str,
+        session: Annotated[Session, Depends(require(permission))],
+        version: Annotated[int, Depends(expected_version)],
+        meant: Annotated[Intent, Depends(intent)],
+        control_token: ControlToken = None,
+    ) -> Caller:
+        return Caller(session, case_id, version, meant, control_token)
+
+    return caller
+
+
+def stating(permission: Permission) -> Callable[..., Awaitable[Caller]]:
+    """A dependency for facts; a key is honoured if there is one; ServiceError PERMISSION_MISSING."""
+
+    async def caller(
+        request: Request,
+        case_id: str,
+        session: Annotated[Session, Depends(require(permission))],
+        idempotency_key: Annotated[str | None, Header(max_length=128)] = None,
+    ) -> Caller:
+        meant = None
+        if idempotency_key:
+            body = await request.body()
+            meant = intent_of(session.user_id, idempotency_key, request.method, request.url.path, body)
+        return Caller(session, case_id, None, meant, None)
+
+    return caller

@@ -1,0 +1,62 @@
+"""The device files that a case uses now: those it was opened with, or those that replaced them since."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import lru_cache
+
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection
+
+from robot.tool import Tool, read_tool
+from service.database import tables
+from service.devices.store import DeviceKind, device_bytes, expired, read_device
+from workflow.triggers import Trigger
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DeviceSet:
+    """Guide and C-arm as bytes for the image worker, the TCP calibration read; one hash over the three."""
+
+    guide: bytes
+    carm: bytes
+    tool: Tool
+    sha256: str
+    in_date: bool
+
+
+def device_ids(connection: Connection, case_id: str) -> dict[str, str]:
+    """Ids of the device files by kind."""
+    opened = connection.execute(sa.select(tables.cases.c.devices).where(tables.cases.c.id == case_id)).scalar_one()
+    events = tables.events
+    changed = (events.c.case_id == case_id, events.c.trigger == Trigger.DEVICE_CHANGED)
+    query = sa.select(events.c.data).where(*changed).order_by(events.c.sequence)
+    chosen: dict[str, str] = dict(opened)
+    for data in connection.execute(query).scalars():
+        chosen |= data.get("devices", {})
+    return chosen
+
+
+def read_devices(connection: Connection, ids: Mapping[str, str]) -> DeviceSet:
+    """The files; ServiceError DEVICE_UNKNOWN."""
+    today = datetime.now(UTC).date()
+    files = {kind: read_device(connection, ids[kind]) for kind in DeviceKind}
+    contents = {kind: device_bytes(connection, files[kind].id) for kind in DeviceKind}
+    return DeviceSet(
+        guide=contents[DeviceKind.GUIDE],
+        carm=contents[DeviceKind.CARM],
+        tool=_tool(contents[DeviceKind.TCP]),
+        sha256=hashlib.sha256(" ".join(files[kind].sha256 for kind in DeviceKind).encode()).hexdigest(),
+        in_date=not any(expired(file, today) for file in files.values()),
+    )
+
+
+def devices_of(connection: Connection, case_id: str) -> DeviceSet:
+    """The files that a case uses now."""
+    return read_devices(connection, device_ids(connection, case_id))
+
+
+@lru_cache(maxsize=16)
+def _tool(content: bytes) -> Tool:
+    return read_tool(content)

@@ -1,0 +1,74 @@
+"""Where a motion is to end, and whether the straight way there can be gone."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, assert_never
+
+import numpy as np
+from sqlalchemy.engine import Connection
+
+from robot.arm import ArmState
+from robot.frames import Transform, goal_in_base
+from robot.path import Path, PathLimits, plan_path
+from robot.poses import pose_of, retreat
+from robot.refusal import Refusal
+from robot.tool import Tool
+from service.cases import store
+from service.cases.records import ArtefactKind
+from service.conductor.bodies import Pose, RequestPlan
+from service.errors import ErrorCode, ServiceError, refused
+from service.images.store import purpose_of
+from workflow.case import CaseState
+from workflow.plans import PlanKind
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Goal:
+    """A pose for the guide, and the error that is predicted there."""
+
+    base_from_goal: Transform
+    axial: bool
+    predicted_error_95: Mapping[str, Any] | None
+
+
+def goal_of(connection: Connection, case: CaseState, wanted: RequestPlan, arm: ArmState) -> Goal:
+    """The goal of a plan of this kind; ServiceError where what it needs is not there."""
+    match wanted.kind:
+        case PlanKind.TARGETING | PlanKind.CORRECTIVE:
+            return _at_the_target(connection, case)
+        case PlanKind.APPROACH | PlanKind.CALIBRATION:
+            return Goal(_pose(wanted.base_from_goal), False, None)
+        case PlanKind.NUDGE:
+            return Goal(goal_in_base(arm.base_from_tcp, _pose(wanted.step)), False, None)
+        case PlanKind.RETREAT:
+            return Goal(goal_in_base(arm.base_from_tcp, retreat(wanted.distance_mm or 0.0)), True, None)
+        case _:
+            assert_never(wanted.kind)
+
+
+def way_to(goal: Goal, arm: ArmState, tool: Tool) -> Path:
+    """The checked path from where the arm is; ServiceError with robot's own code (H11)."""
+    path = plan_path(arm.joints_rad, arm.base_from_tcp, goal.base_from_goal, tool.flange_from_guide, PathLimits())
+    if isinstance(path, Refusal):
+        raise refused(path)
+    return path
+
+
+def _at_the_target(connection: Connection, case: CaseState) -> Goal:
+    """The targeting result, composed with the pose that the arm held during the exposure, not the one it holds now."""
+    if case.target is None or case.image is None:
+        # The rules refuse the request for what is missing; they need a plan to say so about.
+        raise ServiceError(ErrorCode.IMAGE_NOT_REGISTERED, "the case has no target to move to")
+    targeting = store.read_artefact(connection, ArtefactKind.TARGET, case.target.id).content["targeting"]
+    purpose = purpose_of(connection, case.image.id)
+    base_from_guide = purpose.arm.get("base_from_tcp") if purpose else None
+    if base_from_guide is None:
+        raise ServiceError(ErrorCode.EXPOSURE_POSE_UNKNOWN, "the arm's pose during the exposure is unknown")
+    base_from_goal = goal_in_base(np.array(base_from_guide), np.array(targeting["guide_from_goal"]))
+    return Goal(base_from_goal, False, targeting["predicted_error_95"])
+
+
+def _pose(pose: Pose | None) -> Transform:
+    if pose is None:
+        raise ValueError("the request was validated to have a pose")
+    return pose_of(np.array(pose.translation_mm), np.radians(pose.rotation_vector_deg))

@@ -1,0 +1,147 @@
+"""From an arriving image to a registration or an evaluation: one image after the other, off the event loop."""
+
+import asyncio
+import math
+
+import structlog
+
+from service.cases import store
+from service.cases.records import ArtefactKind, NewArtefact
+from service.conductor.arrival import take_in
+from service.conductor.conductor import Conductor, new_id
+from service.conductor.image_work import Json, evaluate_image, quality_of, register_image
+from service.conductor.taking import Prepared, Taken
+from service.errors import ServiceError
+from service.images.store import images_without_purpose
+from workflow.decisions import Effect
+from workflow.facts import Evaluated, RegistrationCompleted, RegistrationRefused, VerificationRefused
+from workflow.triggers import Trigger
+
+_log = structlog.get_logger(__name__)
+
+
+class ImageFlow:
+    """Takes image ids from the receiver's threads."""
+
+    def __init__(self, conductor: Conductor) -> None:
+        self._conductor = conductor
+        self._arrived: asyncio.Queue[str] = asyncio.Queue()
+        self._work: asyncio.Queue[Taken] = asyncio.Queue()
+        self._loop = asyncio.get_running_loop()
+        conductor.on_effect[Effect.REGISTRATION_STARTS] = self._start
+        conductor.on_effect[Effect.EVALUATION_STARTS] = self._start
+
+    def stored(self, image_id: str) -> None:
+        """An image is stored; from any thread."""
+        self._loop.call_soon_threadsafe(self._arrived.put_nowait, image_id)
+
+    async def take_in_all(self) -> None:
+        """Give every arriving image its purpose, first those that arrived while nobody could; until cancelled."""
+        for image_id in await asyncio.to_thread(self._left_over):
+            self._arrived.put_nowait(image_id)
+        while True:
+            image_id = await self._arrived.get()
+            try:
+                await asyncio.to_thread(take_in, self._conductor, image_id)
+            except ServiceError as error:
+                _log.error("image_not_taken_in", image_id=image_id, code=error.code)
+
+    async def work_through(self) -> None:
+        """Register and evaluate what entered a chain; until cancelled."""
+        while True:
+            taken = await self._work.get()
+            case_id, image_id = taken.event.case_id, taken.prepared.made["image"]
+            try:
+                if Effect.EVALUATION_STARTS in taken.decision.effects:
+                    await self._evaluate(taken, case_id, image_id)
+                else:
+                    await self._register(case_id, image_id)
+            except ServiceError as error:
+                _log.error("image_result_not_recorded", image_id=image_id, code=error.code)
+
+    def _start(self, taken: Taken) -> None:
+        self._loop.call_soon_threadsafe(self._work.put_nowait, taken)
+
+    def _left_over(self) -> list[str]:
+        with self._conductor.parts.database.read() as connection:
+            return images_without_purpose(connection)
+
+    async def _register(self, case_id: str, image_id: str) -> None:
+        try:
+            result = await register_image(self._conductor, case_id, image_id)
+        except ServiceError as error:
+            result = _failed(error)
+        if result["status"] == "refused":
+            refused = RegistrationRefused(image_id, result["reason"]["code"])
+            prepared = Prepared(refused, data={"image_id": image_id, "reason": result["reason"]})
+            await self._observe(case_id, Trigger.REGISTRATION_REFUSED, prepared)
+            return
+        facts = RegistrationCompleted(new_id(), image_id, quality_of(result))
+        artefact = registration_artefact(facts.registration_id, image_id, result)
+        made = {"registration": facts.registration_id}
+        prepared = Prepared(facts, (artefact,), made, {"image_id": image_id, **_summary(result)})
+        await self._observe(case_id, Trigger.REGISTRATION_COMPLETED, prepared)
+
+    async def _evaluate(self, taken: Taken, case_id: str, image_id: str) -> None:
+        try:
+            target = await asyncio.to_thread(self._target, taken)
+            result = await evaluate_image(self._conductor, case_id, image_id, target)
+        except ServiceError as error:
+            result = _failed(error)
+        if result["status"] == "refused":
+            refused = VerificationRefused(image_id, result["reason"]["code"])
+            prepared = Prepared(refused, data={"image_id": image_id, "reason": result["reason"]})
+            await self._observe(case_id, Trigger.VERIFICATION_REFUSED, prepared)
+            return
+        await self._observe(case_id, Trigger.VERIFICATION_PASSED, _evaluated(image_id, result))
+
+    async def _observe(self, case_id: str, trigger: Trigger, prepared: Prepared) -> None:
+        await asyncio.to_thread(self._conductor.observe, case_id, trigger, lambda _: prepared)
+
+    def _target(self, taken: Taken) -> Json:
+        """The target that the motion aimed at."""
+        target = taken.decision.after.target
+        with self._conductor.parts.database.read() as connection:
+            artefact = store.read_artefact(connection, ArtefactKind.TARGET, target.id if target else "")
+            return dict(artefact.content)
+
+
+def registration_artefact(registration_id: str, image_id: str, result: Json) -> NewArtefact:
+    """A registration as it is recorded."""
+    return NewArtefact(ArtefactKind.REGISTRATION, registration_id, (image_id,), result, {"image_id": image_id})
+
+
+def _evaluated(image_id: str, result: Json) -> Prepared:
+    """An evaluation; whether it passes the rules say, from the figures with their bounds.
+
+    The contour registration inside is recorded as one of its own: a correction starts from it.
+    """
+    contour, bounds = result["contour"], result["contour"]["predicted_error_95"]
+    facts = Evaluated(
+        evaluation_id=new_id(),
+        image_id=image_id,
+        angle_error_rad=math.radians(contour["angle_error_deg"]),
+        angle_bound_rad=math.radians(bounds["angle_deg"]),
+        position_error_mm=contour["position_error_mm"],
+        position_bound_mm=bounds["position_mm"],
+        agree=result["agree"],
+    )
+    registration = registration_artefact(new_id(), image_id, result["registration"])
+    figures = {key: value for key, value in result.items() if key != "registration"}
+    content = figures | {"registration_id": registration.id}
+    columns = {"image_id": image_id}
+    made_from = (image_id, registration.id)
+    evaluation = NewArtefact(ArtefactKind.EVALUATION, facts.evaluation_id, made_from, content, columns)
+    made = {"evaluation": facts.evaluation_id, "registration": registration.id}
+    return Prepared(facts, (registration, evaluation), made, {"image_id": image_id, **figures})
+
+
+def _summary(result: Json) -> Json:
+    kept = ("residual_rms_px", "predicted_error_95", "elapsed_ms")
+    return {key: result[key] for key in kept} | {"balls": result["distortion"].get("balls")}
+
+
+def _failed(error: ServiceError) -> Json:
+    """Image work that failed is no registration either: the reason says what to do."""
+    reason = {"code": error.code, "message": error.message, "measured": error.measured, "limit": error.limit}
+    return {"status": "refused", "reason": reason}

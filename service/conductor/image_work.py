@@ -1,0 +1,117 @@
+"""Image work asked of the vision worker, with what it needs from the database."""
+
+import asyncio
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy.engine import Connection
+
+from service.cases import store
+from service.cases.records import ArtefactKind
+from service.conductor.conductor import Conductor
+from service.conductor.device_set import DeviceSet, devices_of
+from service.errors import ServiceError
+from service.images.store import original_bytes
+from workflow.facts import RegistrationQuality
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImageInputs:
+    """What an image is worked on with."""
+
+    image: bytes
+    devices: DeviceSet
+
+
+async def register_image(conductor: Conductor, case_id: str, image_id: str) -> Json:
+    """Find the guide in a stored image; refused as JSON, ServiceError where the work failed."""
+    inputs = await asyncio.to_thread(_inputs, conductor, case_id, image_id)
+    return await conductor.parts.vision.register(inputs.image, inputs.devices.guide, inputs.devices.carm)
+
+
+async def evaluate_image(conductor: Conductor, case_id: str, image_id: str, target: Mapping[str, Any]) -> Json:
+    """How well the guide points at a target of the case, from an image after the move.
+
+    The target crosses images as a raw pixel and is corrected in each anew.
+    """
+    inputs = await asyncio.to_thread(_inputs, conductor, case_id, image_id)
+    devices, pixel = inputs.devices, _pair(target["raw_px"])
+    depth_mm = float(target["depth_mm"])
+    return await conductor.parts.vision.evaluate(inputs.image, devices.guide, devices.carm, pixel, "raw", depth_mm)
+
+
+async def aim(conductor: Conductor, registration: Json, raw_px: tuple[float, float], depth_mm: float) -> Json:
+    """Where the guide must go; ServiceError with vision's own code where it says no."""
+    return accepted(await conductor.parts.vision.target(registration, raw_px, "raw", depth_mm))
+
+
+async def draw_back(conductor: Conductor, image_id: str, registration: Json, pixel: Json) -> Json:
+    """The picked point in both grids, and a crop of the image with the point drawn in (H08)."""
+    image = await asyncio.to_thread(_image, conductor, image_id)
+    vision = conductor.parts.vision
+    return accepted(await vision.run("echo", image, registration, _pair(pixel["pixel_px"]), pixel["space"]))
+
+
+async def guide_in_image(conductor: Conductor, case_id: str, image_id: str) -> bool | None:
+    """Whether the guide is found in an image whose exposure pose is known; None if nobody can tell."""
+    if conductor.bridge.watch.exposure_of_image(image_id) is None:
+        return None
+    result = await register_image(conductor, case_id, image_id)
+    return bool(result["status"] == "registered")
+
+
+def registration_json(connection: Connection, registration_id: str) -> Json:
+    """A registration as it was recorded."""
+    return dict(store.read_artefact(connection, ArtefactKind.REGISTRATION, registration_id).content)
+
+
+def quality_of(registration: Mapping[str, Any]) -> RegistrationQuality:
+    """What a registration measured about itself, for the interlocks."""
+    predicted, carm = registration["predicted_error_95"], registration["carm"]
+    return RegistrationQuality(
+        handedness_proved=registration.get("bead_px") is not None,
+        plate_required=carm.get("plate") is not None,
+        plate_balls=registration["distortion"].get("balls"),
+        scale_error=_scale_error(registration),
+        fiducials=len(registration["fiducials_px"]),
+        residual_rms_px=registration["residual_rms_px"],
+        predicted_angle_rad=math.radians(predicted["angle_deg"]),
+        predicted_position_mm=predicted["position_mm"],
+    )
+
+
+def _scale_error(registration: Mapping[str, Any]) -> float:
+    """Relative difference of the fitted focal length from what the C-arm file says, both in pixels."""
+    carm, columns = registration["carm"], registration["image"]["columns"]
+    nominal_px = carm["source_to_image_mm"] * columns / carm["field_of_view_mm"]
+    fitted_px = float(registration["intrinsics_px"]["alpha_x"])
+    return abs(fitted_px / float(nominal_px) - 1.0)
+
+
+def accepted(result: Json) -> Json:
+    """The result of image work, unless it is a refusal: ServiceError with vision's own code."""
+    if result["status"] == "refused":
+        reason = result["reason"]
+        raise ServiceError(
+            reason["code"], reason["message"], measured=reason.get("measured"), limit=reason.get("limit")
+        )
+    return result
+
+
+def _inputs(conductor: Conductor, case_id: str, image_id: str) -> ImageInputs:
+    with conductor.parts.database.read() as connection:
+        return ImageInputs(original_bytes(connection, image_id), devices_of(connection, case_id))
+
+
+def _image(conductor: Conductor, image_id: str) -> bytes:
+    with conductor.parts.database.read() as connection:
+        return original_bytes(connection, image_id)
+
+
+def _pair(values: Any) -> tuple[float, float]:
+    u_px, v_px = values
+    return float(u_px), float(v_px)

@@ -1,0 +1,101 @@
+"""Plans: a goal, the checked way there, and what was predicted of it."""
+
+import math
+from dataclasses import replace
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends
+
+from robot.arm import ArmState
+from robot.path import Path
+from service.auth.permissions import Permission
+from service.cases.records import ArtefactKind, NewArtefact
+from service.conductor.answers import CommandAnswer
+from service.conductor.bodies import RequestPlan
+from service.conductor.caller import Caller, requesting
+from service.conductor.conductor import Conductor, TheConductor, new_id
+from service.conductor.device_set import devices_of
+from service.conductor.goals import Goal, goal_of, way_to
+from service.conductor.taking import Prepared, Standing
+from service.errors import ErrorCode, ServiceError
+from workflow.facts import PlanRequested
+from workflow.machine import decide
+from workflow.motion_interlocks import input_ids
+from workflow.plans import PlanKind
+from workflow.refusals import Refusal
+from workflow.triggers import Trigger
+
+router = APIRouter(tags=["motions of a case"])
+_WAIT_S = 0.3
+
+
+@router.post("/cases/{case_id}/plan-requested")
+def plan_requested(
+    body: RequestPlan, caller: Annotated[Caller, Depends(requesting(Permission.PLAN))], conductor: TheConductor
+) -> CommandAnswer:
+    """A plan of one kind from where the arm is now; it moves nothing."""
+    return conductor.perform(caller, Trigger.PLAN_REQUESTED, lambda standing: _prepare(conductor, standing, body))
+
+
+def _prepare(conductor: Conductor, standing: Standing, wanted: RequestPlan) -> Prepared:
+    """The rules first: what is not allowed now is refused for that, not for a path that nobody may go."""
+    still = _still(standing, wanted.kind)
+    rules = conductor.rules
+    answer = decide(standing.case, Trigger.PLAN_REQUESTED, still, standing.snapshot, rules.limits, rules.clock())
+    if isinstance(answer, Refusal):
+        return Prepared(still)
+    reading = conductor.bridge.watch.reading(_WAIT_S)
+    if reading is None or reading.arm is None:
+        raise ServiceError(ErrorCode.ARM_UNKNOWN, "nothing was read from the arm yet")
+    goal = goal_of(standing.connection, standing.case, wanted, reading.arm)
+    path = way_to(goal, reading.arm, devices_of(standing.connection, standing.case.case_id).tool)
+    return _planned(still, goal, path, reading.arm)
+
+
+def _still(standing: Standing, kind: PlanKind) -> PlanRequested:
+    """A plan of this kind that goes nowhere."""
+    return PlanRequested(
+        plan_id=new_id(),
+        kind=kind,
+        axial=kind is PlanKind.RETREAT,
+        made_from=tuple(id_ for id_ in input_ids(standing.case, kind) if id_),
+        start_joints_rad=(),
+        length_mm=0.0,
+        rotation_rad=0.0,
+        speed_mm_s=0.0,
+        speed_rad_s=0.0,
+    )
+
+
+def _planned(still: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> Prepared:
+    way_s = path.length_mm / path.speed_mm_s
+    facts = replace(
+        still,
+        start_joints_rad=tuple(map(float, path.start_joints_rad)),
+        length_mm=path.length_mm,
+        rotation_rad=path.angle_rad,
+        speed_mm_s=path.speed_mm_s,
+        speed_rad_s=path.angle_rad / max(way_s, path.duration_s / 2.0, 1e-6),
+    )
+    content = _content(facts, goal, path, arm)
+    artefact = NewArtefact(ArtefactKind.PLAN, facts.plan_id, facts.made_from, content, {})
+    detail = {key: value for key, value in content.items() if key != "start_joints_rad"}
+    return Prepared(facts, (artefact,), {"plan": facts.plan_id}, {"kind": facts.kind}, detail)
+
+
+def _content(facts: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> dict[str, Any]:
+    return {
+        "kind": facts.kind,
+        "axial": facts.axial,
+        "base_from_goal": path.base_from_goal.tolist(),
+        "base_from_start": arm.base_from_tcp.tolist(),
+        "start_joints_rad": list(facts.start_joints_rad),
+        "length_mm": path.length_mm,
+        "rotation_deg": math.degrees(path.angle_rad),
+        "speed_mm_s": path.speed_mm_s,
+        "acceleration_mm_s2": path.acceleration_mm_s2,
+        "duration_s": path.duration_s,
+        "joint_margin_deg": math.degrees(path.joint_margin_rad),
+        "smallest_singular_value": path.smallest_singular_value,
+        "predicted_error_95": None if goal.predicted_error_95 is None else dict(goal.predicted_error_95),
+    }

@@ -1,0 +1,38 @@
+"""Every router of the conductor and of the arm's bridge."""
+
+from fastapi import APIRouter
+
+from service.conductor import (
+    angles,
+    approval,
+    closing,
+    control,
+    correction,
+    events,
+    exposure,
+    insertion,
+    notes,
+    plans,
+    statements,
+    status,
+    targets,
+)
+from service.motion import hold, stop
+
+CONDUCTOR_ROUTERS: tuple[APIRouter, ...] = (
+    status.router,
+    events.router,
+    angles.router,
+    stop.router,
+    control.router,
+    exposure.router,
+    targets.router,
+    plans.router,
+    approval.router,
+    hold.router,
+    correction.router,
+    insertion.router,
+    statements.router,
+    notes.router,
+    closing.router,
+)

@@ -1,0 +1,130 @@
+"""One atomic status of a case: where it stands, what is allowed, and for everything else every reason why not."""
+
+import math
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Response
+
+from service.auth.dependencies import require
+from service.auth.lease import Lease
+from service.auth.permissions import Permission
+from service.auth.session import Session
+from service.cases.preconditions import etag
+from service.conductor.answers import AllowanceAnswer, ArmAnswer, LeaseAnswer, ReasonAnswer, StatusAnswer
+from service.conductor.conductor import Conductor, TheConductor
+from service.conductor.taking import Standing, stand
+from service.conductor.target_list import target_states
+from service.motion.arm_watch import ArmReading
+from workflow.case import CaseState
+from workflow.decisions import Allowance
+from workflow.links import Link
+from workflow.machine import allowed
+from workflow.states import GuideState
+from workflow.triggers import Trigger
+from workflow.verdicts import Verdict
+
+router = APIRouter(tags=["status"])
+
+
+@router.get("/cases/{case_id}/status")
+def read_status(
+    case_id: str,
+    response: Response,
+    session: Annotated[Session, Depends(require(Permission.READ))],
+    conductor: TheConductor,
+) -> StatusAnswer:
+    """The case, the arm and the lease at one moment, under the version that the next request is decided on."""
+    with conductor.parts.database.read() as connection:
+        standing = stand(connection, conductor.rules, case_id, Trigger.READ)
+        targets = target_states(connection, case_id)
+    response.headers["ETag"] = etag(standing.last.version)
+    return _status(conductor, standing, session, targets)
+
+
+def _status(conductor: Conductor, standing: Standing, session: Session, targets: dict[str, str]) -> StatusAnswer:
+    case, rules = standing.case, conductor.rules
+    allowances = allowed(case, standing.snapshot, rules.limits, rules.clock())
+    return StatusAnswer(
+        case_id=case.case_id,
+        state=case.state,
+        version=standing.last.version,
+        sequence=standing.last.sequence,
+        guide=case.guide,
+        guide_empty=case.guide is GuideState.EMPTY,
+        held_for=case.held_for,
+        chain=_chain(case),
+        insertion=_insertion(case),
+        running_motion=None if case.running is None else {"id": case.running.id, "kind": case.running.kind},
+        corrections=case.corrections,
+        images=case.images,
+        allowed={trigger: _allowance(allowance) for trigger, allowance in allowances.items()},
+        arm=_arm(conductor.bridge.watch.reading()),
+        lease=_lease(standing.lease, session),
+        alarms=_alarms(case),
+        targets=targets,
+    )
+
+
+def _chain(case: CaseState) -> dict[str, str | None]:
+    links = {link: case.link(link) for link in Link}
+    return {link.value: artefact.id if artefact is not None else None for link, artefact in links.items()}
+
+
+def _insertion(case: CaseState) -> dict[str, Any] | None:
+    one = case.insertion
+    if one is None:
+        return None
+    return {"id": one.id, "status": one.status, "verified": one.verified, "flagged": one.flagged}
+
+
+def _alarms(case: CaseState) -> list[str]:
+    """What a person must look at now."""
+    flagged = case.insertion is not None and case.insertion.flagged
+    return ["moved_while_the_sleeve_was_in"] if flagged else []
+
+
+def _allowance(allowance: Allowance) -> AllowanceAnswer:
+    reasons = [_reason(verdict) for verdict in allowance.reasons]
+    if not allowance.allowed and not reasons:
+        code = allowance.code or ""
+        reasons = [ReasonAnswer(code=code, message=allowance.message, measured=None, limit=None, unit="")]
+    leads_onwards = [trigger.value for trigger in allowance.leads_onwards]
+    return AllowanceAnswer(allowed=allowance.allowed, reasons=reasons, leads_onwards=leads_onwards)
+
+
+def _reason(verdict: Verdict) -> ReasonAnswer:
+    return ReasonAnswer(
+        code=verdict.code,
+        message=verdict.message,
+        measured=_json_number(verdict.measured),
+        limit=_json_number(verdict.limit),
+        unit=verdict.unit,
+    )
+
+
+def _json_number(value: float | str | bool | None) -> float | str | bool | None:
+    """JSON has no NaN and no infinity; they are told as text."""
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _lease(lease: Lease | None, session: Session) -> LeaseAnswer:
+    if lease is None:
+        return LeaseAnswer(held=False, user_id=None, control_token=None, taken_at=None, yours=False)
+    yours = lease.session_id == session.id
+    token = lease.fencing_token if yours else None
+    return LeaseAnswer(held=True, user_id=lease.user_id, control_token=token, taken_at=lease.taken_at, yours=yours)
+
+
+def _arm(reading: ArmReading | None) -> ArmAnswer:
+    arm, status = (None, None) if reading is None else (reading.arm, reading.status)
+    return ArmAnswer(
+        age_s=reading.arm_age_s if reading is not None and arm is not None else None,
+        connected=status is not None and status.connected,
+        phase=status.phase if status is not None else None,
+        safety=arm.safety if arm is not None else None,
+        at_rest=reading.at_rest if reading is not None else None,
+        program_running=arm.program_running if arm is not None else None,
+        joints_deg=[math.degrees(joint) for joint in arm.joints_rad] if arm is not None else None,
+        base_from_tcp=arm.base_from_tcp.tolist() if arm is not None else None,
+        tcp_speed_mm_s=arm.tcp_speed_mm_s if arm is not None else None,
+    )

@@ -1,0 +1,146 @@
+"""One decision in one transaction: read the case, measure, ask the rules, append what follows with every verdict."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+from sqlalchemy.engine import Connection
+
+from service.auth.lease import Lease, lease_of
+from service.cases import store
+from service.cases.attempts import record_attempt
+from service.cases.records import NewArtefact, NewAttempt, NewEvent, NewVerdict, StoredEvent
+from service.conductor.device_set import devices_of
+from service.conductor.snapshots import Held, measure
+from service.motion.arm_watch import ArmWatch
+from workflow.case import CaseState
+from workflow.case_json import from_json, to_json
+from workflow.decisions import Decision
+from workflow.facts import Facts
+from workflow.limits import Limits
+from workflow.machine import decide
+from workflow.refusals import Refusal
+from workflow.snapshot import SafetySnapshot
+from workflow.triggers import Trigger
+from workflow.verdicts import Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """A case as it stands in the transaction of a decision, and the world as it was measured for it."""
+
+    connection: Connection
+    last: StoredEvent
+    case: CaseState
+    snapshot: SafetySnapshot
+    lease: Lease | None
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """What comes with a trigger and what it makes.
+
+    `data` goes into the event, `detail` into the answer, `then` is done once the transaction is committed.
+    """
+
+    facts: Facts
+    artefacts: tuple[NewArtefact, ...] = ()
+    made: Mapping[str, str] = field(default_factory=dict)
+    data: Mapping[str, Any] = field(default_factory=dict)
+    detail: Mapping[str, Any] = field(default_factory=dict)
+    then: Callable[[Decision], None] | None = None
+    also: Callable[[Connection, Decision], None] | None = None  # rows that commit with the event
+
+
+Prepare = Callable[[Standing], Prepared]
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """A decision that is in the record."""
+
+    decision: Decision
+    before: CaseState
+    event: StoredEvent
+    prepared: Prepared
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """What every decision needs beside the case."""
+
+    watch: ArmWatch
+    limits: Limits
+    clock: Callable[[], float]
+
+
+def stand(connection: Connection, rules: Rules, case_id: str, trigger: Trigger) -> Standing:
+    """The case and the world; ServiceError CASE_UNKNOWN."""
+    last = store.newest_event(connection, case_id)
+    case, lease = from_json(dict(last.case_state)), lease_of(connection, case_id)
+    held = Held(lease.fencing_token if lease else None, devices_of(connection, case_id))
+    return Standing(connection, last, case, measure(rules.watch, case, trigger, held), lease)
+
+
+def take(
+    standing: Standing, rules: Rules, trigger: Trigger, prepared: Prepared, user_id: str | None, version: int | None
+) -> Taken | Refusal:
+    """Decide and record, accepted or refused; ServiceError VERSION_STALE if the case is not at `version`."""
+    answer = decide(standing.case, trigger, prepared.facts, standing.snapshot, rules.limits, rules.clock())
+    record_attempt(standing.connection, _attempt(standing, trigger, answer, user_id))
+    if isinstance(answer, Refusal):
+        return answer
+    event = store.append(
+        standing.connection,
+        standing.case.case_id,
+        _event(standing, answer, prepared, user_id),
+        expected_version=version,
+        artefacts=prepared.artefacts,
+    )
+    if prepared.also is not None:
+        prepared.also(standing.connection, answer)
+    return Taken(answer, standing.case, event, prepared)
+
+
+def verdict_json(verdict: Verdict) -> dict[str, Any]:
+    """A verdict as a caller sees it."""
+    return asdict(verdict)
+
+
+def _attempt(standing: Standing, trigger: Trigger, answer: Decision | Refusal, user_id: str | None) -> NewAttempt:
+    refused = isinstance(answer, Refusal)
+    return NewAttempt(
+        case_id=standing.case.case_id,
+        user_id=user_id,
+        trigger=trigger,
+        accepted=not refused,
+        code=answer.code if isinstance(answer, Refusal) else answer.outcome,
+        message=answer.message if isinstance(answer, Refusal) else "",
+        state=standing.case.state,
+        verdicts=tuple(NewVerdict(**verdict_json(verdict)) for verdict in answer.verdicts),
+    )
+
+
+def _event(standing: Standing, decision: Decision, prepared: Prepared, user_id: str | None) -> NewEvent:
+    data = {
+        "taken_as": decision.taken_as,
+        "outcome": decision.outcome,
+        "row": decision.row,
+        "voided": list(decision.voided),
+        "effects": list(decision.effects),
+        "made": dict(prepared.made),
+        **prepared.data,
+    }
+    return NewEvent(
+        trigger=decision.trigger,
+        user_id=user_id,
+        state=decision.after.state,
+        case_state=to_json(decision.after),
+        data=data,
+        changes_state=_changes(standing.case, decision.after),
+    )
+
+
+def _changes(before: CaseState, after: CaseState) -> bool:
+    """Counting an image that enters no chain outdates nobody's decision."""
+    return replace(after, images=before.images, newest_image_id=before.newest_image_id) != before

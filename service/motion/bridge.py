@@ -1,0 +1,94 @@
+"""The service's one way to the arm: the guard's client, what it says, and whether it may be unlocked."""
+
+import threading
+from collections.abc import Callable
+
+from robot.errors import GuardDownError
+from robot.guard.client import GuardClient, GuardConfig
+from robot.guard.messages import BeginMove, Event, Heartbeat, Phase, Status
+from service.motion.arm_watch import ArmWatch
+
+OnEvent = Callable[[Event], None]
+
+
+class ArmBridge:
+    """The guard of the room, or the lack of one; every method returns at once and may be called from any thread."""
+
+    def __init__(self, config: GuardConfig | None) -> None:
+        self.watch = ArmWatch()
+        self._on_event: OnEvent | None = None
+        self._client = None if config is None else GuardClient(config, self._take)
+        self._stops_to_record = 0
+        self._recorded = threading.Condition()
+
+    @property
+    def status(self) -> Status | None:
+        """The guard's newest status, however old."""
+        return None if self._client is None else self._client.status
+
+    @property
+    def guard_age_s(self) -> float | None:
+        """Age of the newest status; None without a guard or before its first."""
+        return None if self._client is None else self._client.status_age_s
+
+    def start(self, on_event: OnEvent) -> None:
+        """Spawn the guard, if there is an arm; what it says, but its status, goes to `on_event` in another thread."""
+        self._on_event = on_event
+        if self._client is not None:
+            self._client.start()
+
+    def close(self) -> None:
+        """End the guard, which stops the arm."""
+        if self._client is not None:
+            self._client.close()
+
+    def stop(self, reason: str) -> bool:
+        """Stop the arm, by guard and dashboard; the guard is locked from then on. True if the guard's pipe took it."""
+        return self._client is not None and self._client.stop(reason)
+
+    def stop_to_record(self) -> None:
+        """A stop was sent that the record does not have yet: until it has, nothing unlocks the guard."""
+        with self._recorded:
+            self._stops_to_record += 1
+
+    def stop_recorded(self) -> None:
+        """The record has it."""
+        with self._recorded:
+            self._stops_to_record -= 1
+            self._recorded.notify_all()
+
+    def wait_for_record(self, timeout_s: float) -> None:
+        """Wait until the record has every stop that was sent, at most `timeout_s`."""
+        with self._recorded:
+            self._recorded.wait_for(lambda: self._stops_to_record == 0, timeout_s)
+
+    def unlock(self) -> None:
+        """A person has acknowledged: the guard may take motions again. It starts none."""
+        with self._recorded:
+            if self._client is not None and self._stops_to_record == 0:
+                self._client.acknowledge()
+
+    def begin_move(self, move: BeginMove) -> bool:
+        """Hand the guard a motion; False if there is no guard to take it."""
+        if self._client is None:
+            return False
+        try:
+            self._client.begin_move(move)
+        except GuardDownError:
+            return False
+        return True
+
+    def heartbeat(self, heartbeat: Heartbeat) -> None:
+        """Forward a heartbeat; without a guard it is silence."""
+        if self._client is not None:
+            self._client.heartbeat(heartbeat)
+
+    def is_moving(self) -> bool:
+        """Whether the guard is in, or on its way into, a motion."""
+        status = self.status
+        return status is not None and status.phase in (Phase.STARTING, Phase.MOVING, Phase.STOPPING)
+
+    def _take(self, event: Event) -> None:
+        self.watch.take(event)
+        if self._on_event is not None and not isinstance(event, Status):
+            self._on_event(event)

@@ -1,0 +1,186 @@
+"""The held button: heartbeats from the tablet to the guard, challenges and progress back; it invents nothing."""
+
+import asyncio
+import math
+import time
+from dataclasses import asdict, dataclass
+from typing import Annotated, Any
+
+import structlog
+from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from robot.frames import Transform, distance_between
+from robot.guard.messages import Heartbeat, Status
+from service.auth.dependencies import any_session, current_session, refuse_foreign_origin
+from service.auth.permissions import Permission, allows
+from service.auth.session import Session
+from service.conductor.caller import Caller
+from service.conductor.conductor import Conductor
+from service.conductor.starting import goal_of_permit, start_move
+from service.errors import ErrorCode, ServiceError
+from service.motion.endings import Ending, Endings
+from service.parts import Parts
+from service.problem_json import answer_error, problem_of
+
+router = APIRouter(tags=["motions of a case"])
+_log = structlog.get_logger(__name__)
+_LOOK_EVERY_S = 0.01
+_HELD_WITHIN_S = 10.0  # without a held heartbeat the socket is closed: nothing was started
+_LARGEST_MESSAGE = 512
+
+
+class HeartbeatMessage(BaseModel):
+    """What the tablet sends every 50 ms."""
+
+    model_config = ConfigDict(extra="forbid")
+    number: int = Field(ge=0, le=2**53)
+    challenge: str = Field(max_length=64)
+    held: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Hold:
+    """One held button."""
+
+    socket: WebSocket
+    conductor: Conductor
+    caller: Caller
+    permit_id: str
+    base_from_goal: Transform
+
+
+@router.websocket("/cases/{case_id}/hold")
+async def hold(
+    socket: WebSocket,
+    case_id: str,
+    permit: Annotated[str, Query(max_length=64)],
+    control_token: Annotated[int | None, Query(ge=0)] = None,
+) -> None:
+    """Hold the button for a permit: the motion starts with the first live heartbeat and ends with the release."""
+    try:
+        session = await asyncio.to_thread(_session, socket)
+        caller = Caller(session, case_id, None, None, control_token)
+        goal = await asyncio.to_thread(_goal, socket.app.state.conductor, caller, permit)
+    except ServiceError as error:
+        _log.warning("hold_refused", case_id=case_id, code=error.code)
+        await socket.send_denial_response(answer_error(error))
+        return
+    await socket.accept()
+    endings: Endings = socket.app.state.endings
+    try:
+        await _run(_Hold(socket, socket.app.state.conductor, caller, permit, goal), endings.expect(permit))
+    finally:
+        endings.forget(permit)
+
+
+async def _run(held: _Hold, ending: "asyncio.Future[Ending]") -> None:
+    """Until the motion is over, or the tablet is gone, which the guard notices by itself."""
+    forwarding, reporting = asyncio.create_task(_forward(held)), asyncio.create_task(_report(held))
+    starting = asyncio.create_task(_start(held))
+    try:
+        await _first_of(forwarding, starting)
+        refused = starting.result() if starting.done() else None
+        if starting.done() and refused is None:
+            await _first_of(forwarding, ending)
+        over = refused or (ending.result() if ending.done() else None)
+        reporting.cancel()
+        if over is not None and not forwarding.done():
+            await held.socket.send_json({"type": "ended", **asdict(over)})
+            await held.socket.close()
+    except WebSocketDisconnect:
+        _log.warning("hold_ended", case_id=held.caller.case_id, reason="disconnected")
+    finally:
+        for task in (forwarding, reporting, starting):
+            task.cancel()
+        await asyncio.gather(forwarding, reporting, starting, return_exceptions=True)
+
+
+async def _first_of(*awaited: "asyncio.Future[Any]") -> None:
+    await asyncio.wait(awaited, return_when=asyncio.FIRST_COMPLETED)
+
+
+async def _forward(held: _Hold) -> None:
+    """Pass heartbeats on as they come; what is no heartbeat ends the hold, which is silence to the guard."""
+    try:
+        while True:
+            text = await held.socket.receive_text()
+            beat = HeartbeatMessage.model_validate_json(text[:_LARGEST_MESSAGE])
+            held.conductor.bridge.heartbeat(Heartbeat(held.permit_id, beat.number, beat.challenge, beat.held))
+    except (WebSocketDisconnect, ValidationError, KeyError) as error:  # KeyError: a binary message
+        _log.info("hold_ended", case_id=held.caller.case_id, reason=type(error).__name__)
+
+
+async def _report(held: _Hold) -> None:
+    """Send each status down: the challenge to echo, and how far it is to the goal."""
+    seen: Status | None = None
+    while True:
+        status = held.conductor.bridge.status
+        if status is not None and status is not seen:
+            seen = status
+            await held.socket.send_json(_progress(status, held.base_from_goal))
+        await asyncio.sleep(_LOOK_EVERY_S)
+
+
+async def _start(held: _Hold) -> Ending | None:
+    """Start the motion once the guard hears the button held; an ending if it does not come to that."""
+    end_s = time.monotonic() + _HELD_WITHIN_S
+    while not _is_live(held):
+        if _is_released(held) or time.monotonic() > end_s:
+            live = held.conductor.live
+            return Ending("not_started", live.state if live else "", 0, None, None, None)
+        await asyncio.sleep(_LOOK_EVERY_S)
+    try:
+        await asyncio.to_thread(start_move, held.conductor, held.caller, held.permit_id)
+    except ServiceError as error:
+        live = held.conductor.live
+        problem = problem_of(error).model_dump(mode="json")
+        return Ending("refused", live.state if live else "", 0, None, None, problem)
+    return None
+
+
+def _is_live(held: _Hold) -> bool:
+    status = held.conductor.bridge.status
+    if status is None or status.permit_id != held.permit_id or status.heartbeat_age_s is None:
+        return False
+    age_s = status.heartbeat_age_s + time.monotonic() - status.sent_at_s
+    return status.held and age_s <= held.conductor.rules.limits.heartbeat_age_s
+
+
+def _is_released(held: _Hold) -> bool:
+    status = held.conductor.bridge.status
+    return status is not None and status.permit_id == held.permit_id and not status.held
+
+
+def _progress(status: Status, base_from_goal: Transform) -> dict[str, Any]:
+    message: dict[str, Any] = {
+        "type": "progress",
+        "challenge": status.challenge,
+        "phase": status.phase,
+        "held": status.held,
+        "distance_mm": None,
+        "angle_deg": None,
+    }
+    if status.arm is not None:
+        distance_mm, angle_rad = distance_between(status.arm.base_from_tcp, base_from_goal)
+        message |= {"distance_mm": distance_mm, "angle_deg": math.degrees(angle_rad)}
+    return message
+
+
+def _session(socket: WebSocket) -> Session:
+    """Who holds; ServiceError as for any request that needs the permission to move."""
+    parts: Parts = socket.app.state.parts
+    refuse_foreign_origin(socket, parts)
+    session = current_session(any_session(socket, parts, None))
+    if not allows(session.role, Permission.MOVE):
+        raise ServiceError(ErrorCode.PERMISSION_MISSING, f"the role {session.role} may not {Permission.MOVE}")
+    return session
+
+
+def _goal(conductor: Conductor, caller: Caller, permit_id: str) -> Transform:
+    """Where the motion goes; a permit that is not the case's own is refused by the rules, with every verdict."""
+    permit = conductor.case_of(caller.case_id).permit
+    if permit is None or permit.id != permit_id:
+        start_move(conductor, caller, permit_id)
+        raise AssertionError(f"permit {permit_id} is not the case's, and was taken")
+    return goal_of_permit(conductor, caller.case_id, permit_id)

@@ -1,0 +1,81 @@
+"""Stop: sent first, recorded after. Nothing comes before it: no database, lease, version or image work."""
+
+import asyncio
+
+import structlog
+from fastapi import APIRouter, Request
+
+from service.audit import record_audit
+from service.auth.dependencies import refuse_foreign_origin, stop_caller
+from service.auth.session import Session
+from service.conductor.answers import StopAnswer
+from service.conductor.conductor import Conductor
+from service.conductor.taking import Prepared, Taken
+from service.errors import ErrorCode, ServiceError
+from workflow.facts import Stopped
+from workflow.triggers import Trigger
+
+router = APIRouter(tags=["stop"])
+_log = structlog.get_logger(__name__)
+_AGAIN_S = 0.5
+# What the answer says of the record; the recording itself goes on until it is done.
+_RECORDED_WITHIN_S = 2.0
+_UNRECORDABLE = frozenset({ErrorCode.CASE_UNKNOWN})
+_recordings: set["asyncio.Task[Taken | None]"] = set()
+
+
+@router.post("/stop")
+async def stop(request: Request) -> StopAnswer:
+    """Stop the arm: everyone who has signed in, in every state, with a locked or expired session too."""
+    return await _stop(request, None)
+
+
+@router.post("/cases/{case_id}/stop")
+async def stop_in_case(request: Request, case_id: str) -> StopAnswer:
+    """Stop the arm, and record it in this case."""
+    return await _stop(request, case_id)
+
+
+async def _stop(request: Request, case_id: str | None) -> StopAnswer:
+    # Everything up to the stop runs here on the event loop: a thread would have to be waited for.
+    parts = request.app.state.parts
+    refuse_foreign_origin(request, parts)
+    session = stop_caller(request, parts, None)
+    conductor: Conductor = request.app.state.conductor
+    conductor.bridge.stop_to_record()
+    sent = conductor.bridge.stop(f"pressed by {session.user_id}")
+    recording = asyncio.create_task(_record(conductor, session, case_id))
+    _recordings.add(recording)
+    recording.add_done_callback(_recordings.discard)
+    done, _ = await asyncio.wait({recording}, timeout=_RECORDED_WITHIN_S)
+    taken = recording.result() if done else None
+    return StopAnswer(
+        sent_to_guard=sent,
+        recorded=bool(done),
+        case_id=taken.event.case_id if taken else None,
+        version=taken.event.version if taken else None,
+    )
+
+
+async def _record(conductor: Conductor, session: Session, case_id: str | None) -> Taken | None:
+    """Record the stop, again and again until it is in."""
+    try:
+        while True:
+            try:
+                return await asyncio.to_thread(_write, conductor, session, case_id)
+            except ServiceError as error:
+                _log.error("stop_not_recorded", code=error.code)
+                case_id = None if error.code in _UNRECORDABLE else case_id
+            await asyncio.sleep(_AGAIN_S)
+    finally:
+        conductor.bridge.stop_recorded()
+
+
+def _write(conductor: Conductor, session: Session, case_id: str | None) -> Taken | None:
+    case_id = case_id or conductor.open_case()
+    if case_id is None:
+        with conductor.parts.database.write() as connection:
+            record_audit(connection, Trigger.STOP, session.user_id, {})
+        return None
+    prepared = Prepared(Stopped(session.user_id))
+    return conductor.observe(case_id, Trigger.STOP, lambda _: prepared, session.user_id)
