@@ -1,34 +1,19 @@
 """Makes the parts of one room's service at start, and takes them down in reverse."""
 
-from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 
 from service.auth.proofs import Proofs
 from service.auth.sessions import SessionStore
 from service.auth.users import UserStore
 from service.cases.feed import EventFeed
-from service.database.engines import Database, open_database
-from service.database.free_space import check_free_space
-from service.database.migrate import migrate
+from service.database.current import current_database
 from service.database.room_claim import room_claim
 from service.images.arrivals import ImageArrivals
 from service.images.receiver import DicomReceiver
 from service.parts import Parts
 from service.settings import Settings
 from service.vision_worker import VisionWorker
-
-
-@contextmanager
-def current_database(settings: Settings) -> Iterator[Database]:
-    """The database with the newest schema, for a command or the service; ServiceError where disk or schema refuse."""
-    settings.data_folder.mkdir(parents=True, exist_ok=True)
-    check_free_space(settings.data_folder, settings.min_free_bytes)
-    database = open_database(settings.database_url)
-    try:
-        migrate(database)
-        yield database
-    finally:
-        database.close()
 
 
 @asynccontextmanager

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 from uuid import uuid4
 
@@ -37,8 +38,6 @@ class UserStore:
     def __init__(self, database: Database, hasher: PasswordHasher | None = None) -> None:
         self._database = database
         self._hasher = hasher or PasswordHasher()
-        # Checked when the name is unknown, so that the time of an answer does not tell which names exist.
-        self._nobody = self._hasher.hash("nobody has this password")
 
     def add(self, name: str, role: Role, password: str, pin: str) -> User:
         """A new user; ServiceError USER_REFUSED or USER_EXISTS."""
@@ -84,6 +83,11 @@ class UserStore:
             connection.execute(
                 sa.update(tables.sessions).where(tables.sessions.c.user_id == row.id).values(revoked_at=now)
             )
+
+    @cached_property
+    def _nobody(self) -> str:
+        """Checked when the name is unknown, so that the time of an answer does not tell which names exist."""
+        return self._hasher.hash("nobody has this password")
 
     def _matches(self, hashed: str, secret: str) -> bool:
         try:

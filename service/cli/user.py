@@ -59,8 +59,8 @@ def disable(name: str, config: ConfigOption = None, data_folder: DataFolderOptio
 
 @contextmanager
 def _user_store(config: Path | None, data_folder: Path | None) -> "Iterator[UserStore]":
-    from service.assembly import current_database
     from service.auth.users import UserStore
+    from service.database.current import current_database
     from service.errors import ServiceError, answer_for
     from service.settings import load_settings
 

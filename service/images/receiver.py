@@ -50,19 +50,24 @@ class DicomReceiver:
         entity.add_supported_context(Verification)
         entity.require_calling_aet = list(self._settings.accepted_callers)
         entity.acse_timeout = entity.dimse_timeout = entity.network_timeout = _TIMEOUT_S
-        server = entity.start_server(
-            (self._settings.host, self._settings.port),
-            block=False,
-            evt_handlers=[
-                (evt.EVT_C_STORE, self._on_store),
-                (evt.EVT_DATA_RECV, self._on_data),
-                (evt.EVT_REJECTED, self._on_rejected),
-            ],
-        )
+        server = self._started(entity)
         try:
-            yield _port(server)
+            yield int(server.socket.getsockname()[1])
         finally:
             server.shutdown()
+
+    def _started(self, entity: AE) -> ThreadedAssociationServer:
+        address = (self._settings.host, self._settings.port)
+        handlers = [
+            (evt.EVT_C_STORE, self._on_store),
+            (evt.EVT_DATA_RECV, self._on_data),
+            (evt.EVT_REJECTED, self._on_rejected),
+        ]
+        try:
+            return entity.start_server(address, block=False, evt_handlers=handlers)
+        except OSError as error:
+            message = f"cannot listen for DICOM on {address[0]}:{address[1]} ({error.strerror})"
+            raise ServiceError(ErrorCode.SETTINGS_REFUSED, message) from error
 
     def _on_data(self, event: Any) -> None:
         """Count bytes of the message under way, and hang up before memory is full (H31)."""
@@ -107,7 +112,3 @@ def _answer(status: int, comment: str) -> Dataset:
     if comment:
         answer.ErrorComment = comment
     return answer
-
-
-def _port(server: ThreadedAssociationServer) -> int:
-    return int(server.socket.getsockname()[1])

@@ -1,0 +1,167 @@
+"""`coaxial serve` and `coaxial user` as processes: started, refused, killed, started again."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+
+from service.auth.permissions import Role
+
+_COAXIAL = [sys.executable, "-c", "from service.cli.main import main; main()"]
+_SECRETS = {"COAXIAL_PASSWORD": "correct horse", "COAXIAL_PIN": "2468"}
+
+
+def _environment(folder: Path, **more: str) -> dict[str, str]:
+    """Free ports; nothing of the caller's own settings."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("COAXIAL_")}
+    ours = {"COAXIAL_DATA_FOLDER": str(folder), "COAXIAL_HTTP__PORT": "0", "COAXIAL_MIN_FREE_BYTES": "0"}
+    return kept | ours | {"COAXIAL_DICOM__PORT": "0"} | more
+
+
+def _coaxial(folder: Path, *arguments: str, stdin: str = "", **more: str) -> subprocess.CompletedProcess:
+    command = [*_COAXIAL, *arguments]
+    environment = _environment(folder, **more)
+    return subprocess.run(command, env=environment, input=stdin, capture_output=True, text=True, timeout=60)
+
+
+@contextmanager
+def _serving(folder: Path, **more: str) -> Iterator[tuple[subprocess.Popen, str]]:
+    environment = _environment(folder, **more)
+    with subprocess.Popen([*_COAXIAL, "serve"], env=environment, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            yield process, process.stdout.readline().removeprefix("Coaxial listens on ").strip()
+        finally:
+            process.kill()
+
+
+def _sign_in(url: str) -> httpx.Client:
+    answer = httpx.post(f"{url}/api/session", json={"name": "anna", "password": "correct horse"}, timeout=20)
+    headers = {"Authorization": f"Bearer {answer.json()['token']}"}
+    return httpx.Client(base_url=f"{url}/api", headers=headers, timeout=20)
+
+
+@pytest.fixture
+def folder(tmp_path, users):
+    """A data folder with a first user."""
+    users.add("anna", Role.SURGEON, "correct horse", "2468")
+    return tmp_path
+
+
+def test_the_service_tells_its_address_answers_and_ends_at_a_signal(folder):
+    with _serving(folder) as (process, url):
+        with _sign_in(url) as client:
+            assert client.get("/status").json()["room"] == "room-1"
+        process.terminate()
+        assert process.wait(10) == 0
+
+
+def test_a_second_service_is_refused_with_a_code_and_the_first_goes_on(folder):
+    with _serving(folder) as (first, url):
+        second = _coaxial(folder, "serve")
+        assert second.returncode == 3
+        assert second.stderr.splitlines()[-1].startswith("room_claimed: ")
+        assert str(first.pid) in second.stderr
+        assert httpx.get(f"{url}/api/health").status_code == 200
+
+
+def test_after_a_kill_the_next_service_starts_at_once_with_sessions_and_records(folder):
+    with _serving(folder) as (process, url):
+        client = _sign_in(url)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    with _serving(folder) as (process, url):
+        client.base_url = f"{url}/api"
+        kinds = [event["kind"] for event in client.get("/audit").json()]
+        client.close()
+    assert kinds == ["signed_in"]
+
+
+def test_no_image_that_was_answered_with_success_is_lost_by_a_kill(folder, storescu, make_xray, tmp_path):
+    file = tmp_path / "image.dcm"
+    file.write_bytes(make_xray(rows=512, columns=512))
+    answered = 0
+    with _serving(folder) as (process, url):
+        with _sign_in(url) as client:
+            port = client.get("/status").json()["dicom_port"]
+        threading.Timer(1.5, process.kill).start()
+        command = [storescu, "127.0.0.1", str(port), str(file)]
+        while subprocess.run(command, capture_output=True, timeout=60).returncode == 0:
+            answered += 1
+    assert answered > 0
+    with _serving(folder) as (process, url), _sign_in(url) as client:
+        images = client.get("/images").json()
+        assert len(images) in (answered, answered + 1), "one may be committed and not yet answered"
+        assert len(client.get(f"/images/{images[0]['id']}/original").content) > 512 * 512 * 2
+
+
+@pytest.mark.parametrize(
+    ("setting", "code"),
+    [
+        ({"COAXIAL_MIN_FREE_BYTES": "99999999999999999"}, "disk_full"),
+        ({"COAXIAL_DATABASE_URL": "sqlite:////proc/none/x.sqlite"}, "database_fault"),
+        ({"COAXIAL_LIMITS__ANGLE_ERROR_DEG": "90"}, "settings_refused"),
+        ({"COAXIAL_LIMITS": "{"}, "settings_refused"),
+        ({"COAXIAL_DICOM__HOST": "203.0.113.1"}, "settings_refused"),
+    ],
+)
+def test_what_cannot_start_says_why_in_one_line(tmp_path, setting, code):
+    refused = _coaxial(tmp_path, "serve", **setting)
+    assert refused.returncode == 3
+    assert refused.stderr.splitlines()[-1].startswith(f"{code}: ")
+    assert "Traceback" not in refused.stderr
+
+
+def test_a_taken_http_port_ends_the_service_and_frees_the_room(folder):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        refused = _coaxial(folder, "serve", "--port", str(taken.getsockname()[1]))
+        assert refused.returncode != 0
+        assert "address already in use" in refused.stderr
+    with _serving(folder) as (_, url):
+        assert url.startswith("http://127.0.0.1:")
+
+
+def test_the_first_user_makes_the_database_and_can_sign_in(tmp_path):
+    added = _coaxial(tmp_path, "user", "add", "anna", "--role", "surgeon", **_SECRETS)
+    assert (added.returncode, added.stdout) == (0, "added anna as surgeon\n"), added.stderr
+    with _serving(tmp_path) as (_, url), _sign_in(url) as client:
+        assert client.get("/session").json()["role"] == "surgeon"
+
+
+def test_users_are_added_from_stdin_and_listed(folder):
+    added = _coaxial(folder, "user", "add", "ben", "--role", "operator", stdin="long enough\n1234\n")
+    assert added.returncode == 0, added.stderr
+    assert _coaxial(folder, "user", "list").stdout == "anna\tsurgeon\nben\toperator\n"
+
+
+def test_a_user_that_cannot_be_added_is_refused_with_a_code(folder):
+    again = _coaxial(folder, "user", "add", "anna", "--role", "auditor", **_SECRETS)
+    assert (again.returncode, again.stderr.split(":")[0]) == (3, "user_exists")
+    short = _coaxial(folder, "user", "add", "eve", "--role", "auditor", stdin="short\n1\n")
+    assert (short.returncode, short.stderr.split(":")[0]) == (3, "user_refused")
+
+
+def test_a_user_can_be_disabled_while_the_service_runs(folder):
+    with _serving(folder) as (_, url), _sign_in(url) as client:
+        assert client.get("/status").status_code == 200
+        assert _coaxial(folder, "user", "disable", "anna").returncode == 0
+        assert client.get("/status").json()["code"] == "not_signed_in"
+
+
+def test_help_loads_neither_web_stack_nor_database(tmp_path):
+    code = (
+        "import sys, service.cli.serve, service.cli.user\n"
+        "print([name for name in ('fastapi', 'sqlalchemy', 'pydantic', 'numpy', 'pynetdicom') if name in sys.modules])"
+    )
+    started_s = time.monotonic()
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert loaded.stdout == "[]\n"
+    assert time.monotonic() - started_s < 5.0
