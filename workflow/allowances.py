@@ -5,7 +5,7 @@ from workflow.decisions import Allowance
 from workflow.inquiry import Inquiry
 from workflow.interlocks import judge
 from workflow.limits import Limits
-from workflow.onwards import first_missing
+from workflow.needs import first_missing
 from workflow.plans import PLAN_STATES, PlanKind
 from workflow.refusing import refuse
 from workflow.snapshot import SafetySnapshot, unknown_snapshot

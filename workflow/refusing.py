@@ -14,7 +14,8 @@ from workflow.facts import (
 )
 from workflow.inquiry import Inquiry
 from workflow.interlocks import INTERLOCKS
-from workflow.onwards import GUARDED_BY_CHAIN, MAKERS, first_missing, from_the_guide, from_the_insertion, route, towards
+from workflow.needs import GUARDED_BY_CHAIN, MAKERS, first_missing
+from workflow.onwards import from_the_guide, from_the_insertion, route, towards
 from workflow.plans import PLAN_STATES
 from workflow.refusals import Refusal, RefusalCode
 from workflow.states import INSERTION, OVER, GuideState, State

@@ -56,7 +56,7 @@ def test_a_window_does_not_outlive_its_view(walk):
     assert walk.do(Trigger.IMAGE_ARRIVED).image_use is ImageUse.UNASSIGNED
 
 
-def test_a_registration_that_fails_a_check_is_taken_as_refused(walk, facts_of):
+def test_a_registration_that_fails_a_check_is_taken_as_refused(walk):
     walk.to(State.IMAGE_ACQUIRED)
     good = walk.facts(Trigger.REGISTRATION_COMPLETED)
     mirrored = f.RegistrationCompleted("r", good.image_id, quality=with_doubt(good.quality))
