@@ -72,7 +72,7 @@ class GuardClient:
 
     @property
     def status(self) -> Status | None:
-        """Newest status, however old; None before the first."""
+        """Newest status of the guard that runs, however old; None before its first."""
         return self._status
 
     @property
@@ -155,6 +155,7 @@ class GuardClient:
 
     def _mourn(self) -> None:
         """The guard is gone: stop the arm from here, without waiting for the controller's watchdog (H17)."""
+        self._status = None
         stop_by_dashboard(self._config.arm_address)
         self._pass_on(Fault(FaultKind.GUARD_LOST, time.monotonic(), "the guard died or fell silent"))
         self._closing.wait(self._config.restart_after_s)
@@ -162,5 +163,5 @@ class GuardClient:
     def _pass_on(self, event: Event) -> None:
         try:
             self._on_event(event)
-        except Exception:  # noqa: BLE001  # a listener's fault must not end the supervision of the arm
-            _log.exception("guard_listener_failed", event_type=type(event).__name__)
+        except Exception as error:  # noqa: BLE001  # a listener's fault must not end the supervision of the arm
+            _log.error("guard_listener_failed", event_type=type(event).__name__, error=repr(error))

@@ -195,7 +195,6 @@ class Guard:
         self._fault = self._observer.fault(now_s)
         self._displacement.account(self._observer.newest)
         self._journal.flush(_FLUSH_S)
-        self._report(now_s)  # whoever hears of the end finds the status that belongs to it
         self._tell(ended)
         self._arm.give_up_control()
 
@@ -229,6 +228,7 @@ class Guard:
         )
 
     def _tell(self, event: Event) -> None:
-        """Emit an event and put it into the journal."""
+        """Emit an event, after the status that belongs to it, and put it into the journal."""
+        self._report(self._clock())
         self._emit(event)
         self._journal.record(event)

@@ -12,7 +12,7 @@ _REST_DRIFT_MM = 0.03  # within one rest; below the displacement that voids an i
 _REST_DRIFT_RAD = float(np.deg2rad(0.01))
 DISTURBED_MM = 0.05  # H04
 DISTURBED_RAD = float(np.deg2rad(0.02))  # H04
-_REPEAT_S = 0.5  # an arm that is jogged on is reported twice a second
+_GATHERED_S = 0.1  # a push is told whole, and an arm that is jogged on ten times a second
 
 
 class RestWatch:
@@ -38,24 +38,31 @@ class DisplacementWatch:
 
     def __init__(self) -> None:
         self._base_from_left: Transform | None = None
-        self._quiet_until_s = 0.0
+        self._since_s: float | None = None
+        self._peak = (0.0, 0.0)
 
     def observe(self, reading: ArmState) -> Disturbed | None:
-        """A displacement that no motion accounts for; the arm is then expected to stay where it is now."""
+        """A displacement that no motion accounts for: its peak since it began, a moment later.
+
+        The arm is then expected to stay where it is, so that one that is jogged on is reported again and again.
+        """
         if self._base_from_left is None:
             self._base_from_left = reading.base_from_tcp
-        if reading.received_at_s < self._quiet_until_s:
-            return None
         offset_mm, angle_rad = distance_between(self._base_from_left, reading.base_from_tcp)
-        if offset_mm <= DISTURBED_MM and angle_rad <= DISTURBED_RAD:
+        if self._since_s is None and (offset_mm > DISTURBED_MM or angle_rad > DISTURBED_RAD):
+            self._since_s = reading.received_at_s
+        self._peak = (max(self._peak[0], offset_mm), max(self._peak[1], angle_rad))
+        if self._since_s is None or reading.received_at_s - self._since_s < _GATHERED_S:
             return None
-        self._base_from_left = reading.base_from_tcp
-        self._quiet_until_s = reading.received_at_s + _REPEAT_S
-        return Disturbed(reading.received_at_s, offset_mm, angle_rad)
+        disturbed = Disturbed(self._since_s, *self._peak)
+        self.account(reading)
+        return disturbed
 
     def account(self, left: ArmState | None) -> None:
         """A motion of the guard left the arm here; unknown after one that ended without feedback."""
         self._base_from_left = None if left is None else left.base_from_tcp
+        self._since_s = None
+        self._peak = (0.0, 0.0)
 
 
 def is_slow(reading: ArmState) -> bool:

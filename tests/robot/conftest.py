@@ -84,9 +84,9 @@ def move(reading: ArmState) -> BeginMove:
 class Bench:
     """A surgeon's hand on a guard over a simulated controller."""
 
-    def __init__(self, controller: ControllerProcess, journal_folder: Path) -> None:
-        self.controller = controller
-        self.journal_folder = journal_folder
+    def __init__(self, config: GuardConfig, controller: ControllerProcess | None = None) -> None:
+        self._controller = controller
+        self.journal_folder = config.journal_folder
         self.events: list[Event] = []
         self.held = True
         self.silent = False
@@ -95,17 +95,27 @@ class Bench:
         self._seen: deque[Status] = deque(maxlen=200)
         self._beating: threading.Thread | None = None
         self._over = threading.Event()
-        self.client = GuardClient(GuardConfig(controller.address, journal_folder), self._hear)
+        self.client = GuardClient(config, self._hear)
 
     def start(self) -> None:
         self.client.start()
-        self.until(lambda: self.client.status is not None and self.client.status.connected, 15.0)
+        self.until(self.sees_the_arm, 15.0)
         self.client.acknowledge()
         self.until(lambda: self.status.phase == "idle", 2.0)
+
+    def sees_the_arm(self) -> bool:
+        """Whether a guard runs that has sound feedback."""
+        status = self.client.status
+        return status is not None and status.connected and time.monotonic() - status.sent_at_s < 0.2
 
     def close(self) -> None:
         self._let_be()
         self.client.close()
+
+    @property
+    def controller(self) -> ControllerProcess:
+        assert self._controller is not None
+        return self._controller
 
     @property
     def status(self) -> Status:
@@ -151,7 +161,7 @@ class Bench:
     def until(self, condition: Callable[[], bool], within_s: float) -> None:
         deadline_s = time.monotonic() + within_s
         while not condition():
-            assert time.monotonic() < deadline_s, [event for event in self.events if not isinstance(event, Status)]
+            assert time.monotonic() < deadline_s, [getattr(event, "cause", event) for event in self.events]
             time.sleep(0.002)
 
     def first_stop_after(self, at_s: float) -> float:
@@ -205,8 +215,22 @@ def controller() -> Iterator[ControllerProcess]:
 @pytest.fixture
 def bench(controller: ControllerProcess, tmp_path: Path) -> Iterator[Bench]:
     """A guard that is idle over a running controller; nothing is left behind."""
-    bench = Bench(controller, tmp_path / "journal")
+    bench = Bench(GuardConfig(controller.address, tmp_path / "journal"), controller)
     bench.start()
     yield bench
     bench.close()
     assert bench.client.process_id is None
+
+
+@pytest.fixture
+def make_bench() -> Iterator[Callable[..., Bench]]:
+    """Benches over any address, their guards not started."""
+    made: list[Bench] = []
+
+    def make(address: str, journal_folder: Path, **changes: float) -> Bench:
+        made.append(Bench(GuardConfig(address, journal_folder, **changes)))
+        return made[-1]
+
+    yield make
+    for bench in made:
+        bench.close()

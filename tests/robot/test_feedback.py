@@ -71,32 +71,45 @@ def test_creep_below_the_speed_of_noise_is_no_rest(at: At) -> None:
     assert max(rests) < 0.15  # s: 0.04 mm in each 0.1 s passes the 0.03 mm of one rest
 
 
-@pytest.mark.parametrize(("step_mm", "expected"), [(0.04, False), (0.06, True), (-0.06, True)])
-def test_displacement_is_told_above_its_limit(at: At, step_mm: float, expected: bool) -> None:
+def told_by(watch: DisplacementWatch, readings: list[ArmState]) -> list[float]:
+    told = [watch.observe(reading) for reading in readings]
+    return [disturbed.offset_mm for disturbed in told if disturbed is not None]
+
+
+@pytest.mark.parametrize(("step_mm", "told_mm"), [(0.04, []), (0.06, [0.06]), (-0.06, [0.06])])
+def test_displacement_is_told_once_above_its_limit(at: At, step_mm: float, told_mm: list[float]) -> None:
     watch = DisplacementWatch()
     watch.observe(at(0.0))
-    disturbed = watch.observe(at(0.1, x_mm=step_mm))
-    assert (disturbed is not None) == expected
-    assert disturbed is None or disturbed.offset_mm == pytest.approx(0.06)
+    assert told_by(watch, [at(0.1 * index, x_mm=step_mm) for index in range(1, 20)]) == pytest.approx(told_mm)
 
 
-def test_displacement_by_many_small_steps_is_told(at: At) -> None:
+def test_push_that_takes_its_time_is_told_whole(at: At) -> None:
     watch = DisplacementWatch()
-    told = [watch.observe(at(0.1 * index, x_mm=0.01 * index)) for index in range(8)]
-    assert sum(disturbed is not None for disturbed in told) == 1
+    ramp = [at(0.008 * index, x_mm=min(0.01 * index, 0.12)) for index in range(100)]
+    assert told_by(watch, ramp) == pytest.approx([0.12])
 
 
-def test_jogged_arm_is_told_twice_a_second_and_none_of_it_is_lost(at: At) -> None:
+def test_blow_that_springs_back_is_told_with_its_peak(at: At) -> None:
     watch = DisplacementWatch()
-    told = [watch.observe(at(0.01 * index, x_mm=0.1 * index)) for index in range(301)]
-    offsets = [disturbed.offset_mm for disturbed in told if disturbed is not None]
-    assert 6 <= len(offsets) <= 7  # in 3 s
-    assert sum(offsets) >= 25.0  # of 30 mm; the rest is told with the next
+    blow = [at(0.01 * index, x_mm=0.3 if index == 5 else 0.0) for index in range(50)]
+    assert told_by(watch, blow) == pytest.approx([0.3])
+
+
+def test_creep_by_many_small_steps_is_told(at: At) -> None:
+    watch = DisplacementWatch()
+    assert len(told_by(watch, [at(0.1 * index, x_mm=0.01 * index) for index in range(9)])) == 1
+
+
+def test_jogged_arm_is_told_ten_times_a_second_and_none_of_it_is_lost(at: At) -> None:
+    watch = DisplacementWatch()
+    offsets = told_by(watch, [at(0.01 * index, x_mm=0.1 * index) for index in range(301)])
+    assert 20 <= len(offsets) <= 30  # in 3 s
+    assert sum(offsets) == pytest.approx(30.0, abs=1.2)  # mm; what is still being gathered is told with the next
 
 
 def test_accounted_motion_disturbs_nothing(at: At) -> None:
     watch = DisplacementWatch()
     watch.observe(at(0.0))
     watch.account(at(1.0, x_mm=10.0))
-    assert watch.observe(at(1.1, x_mm=10.0)) is None
-    assert watch.observe(at(1.2)) is not None
+    assert told_by(watch, [at(1.1 + 0.1 * index, x_mm=10.0) for index in range(5)]) == []
+    assert told_by(watch, [at(2.0 + 0.1 * index) for index in range(5)]) == pytest.approx([10.0])

@@ -156,7 +156,7 @@ def test_closed_connection_ends_the_motion_though_the_library_may_take_the_guard
     assert bench.first_stop_after(at_s) < 0.3
     bench.controller.clear()
     bench.stays_at_rest()
-    bench.until(lambda: bench.status.connected and bench.client.status_age_s < 0.2, 20.0)
+    bench.until(bench.sees_the_arm, 20.0)
     assert bench.status.phase is Phase.HELD
 
 
