@@ -46,8 +46,10 @@ def _file_lock(database: Database, room: str) -> Iterator[bool]:
 def _server_lock(database: Database, room: str) -> Iterator[bool]:
     with database.writer.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
         query = sa.text("SELECT pg_try_advisory_lock(1, :room)")
-        yield bool(connection.execute(query, {"room": zlib.crc32(room.encode()) - 2**31}).scalar())
-        connection.invalidate()  # a pooled connection would keep the lock
+        try:
+            yield bool(connection.execute(query, {"room": zlib.crc32(room.encode()) - 2**31}).scalar())
+        finally:
+            connection.invalidate()  # a pooled connection would keep the lock
 
 
 def _holder(database: Database, room: str) -> str:
