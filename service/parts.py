@@ -33,7 +33,7 @@ class Parts:
     dicom_port: int
 
 
-def parts_of(connection: HTTPConnection) -> Parts:
-    """The parts of the service that this request came to."""
+async def parts_of(connection: HTTPConnection) -> Parts:
+    """The parts of the service that this request came to; async, so that it waits for no thread (H32)."""
     parts: Parts = connection.app.state.parts
     return parts

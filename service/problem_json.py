@@ -67,14 +67,14 @@ def add_problem_handlers(app: FastAPI) -> None:
 
 async def _service_error(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, ServiceError)  # noqa: S101  registered for this type only
-    _log.warning("request_refused", code=error.code, method=request.method, route=_route(request))
+    _log.warning("request_refused", code=error.code, method=_method(request), route=_route(request))
     return answer_error(error)
 
 
 async def _malformed(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)  # noqa: S101  registered for this type only
     fields = [{"field": ".".join(map(str, one["loc"])), "problem": one["msg"]} for one in error.errors()]
-    _log.warning("request_refused", code=ErrorCode.MALFORMED_REQUEST, method=request.method, route=_route(request))
+    _log.warning("request_refused", code=ErrorCode.MALFORMED_REQUEST, method=_method(request), route=_route(request))
     first = f"{fields[0]['field']}: {fields[0]['problem']}" if fields else "the request cannot be read"
     return answer_error(ServiceError(ErrorCode.MALFORMED_REQUEST, first), fields=fields)
 
@@ -82,14 +82,19 @@ async def _malformed(request: Request, error: Exception) -> JSONResponse:
 async def _framework_error(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)  # noqa: S101  registered for this type only
     code = code_for_status(error.status_code)
-    _log.warning("request_refused", code=code, method=request.method, route=_route(request))
-    return answer_error(ServiceError(code, f"{request.method} {request.url.path}"), dict(error.headers or {}))
+    _log.warning("request_refused", code=code, method=_method(request), route=_route(request))
+    return answer_error(ServiceError(code, f"{_method(request)} {request.url.path}"), dict(error.headers or {}))
 
 
 async def _fault(request: Request, error: Exception) -> JSONResponse:
     incident = secrets.token_hex(4)
-    _log.error("request_failed", incident=incident, method=request.method, route=_route(request), exc_info=error)
+    _log.error("request_failed", incident=incident, method=_method(request), route=_route(request), exc_info=error)
     return answer_error(ServiceError(ErrorCode.INTERNAL_FAULT, "the service failed at this request"), incident=incident)
+
+
+def _method(request: Request) -> str:
+    """The method; a WebSocket, whose handshake may be refused too, has none."""
+    return str(request.scope.get("method", "WEBSOCKET"))
 
 
 def _route(request: Request) -> str:

@@ -29,7 +29,7 @@ def bearer_or_cookie(connection: HTTPConnection) -> str | None:
     return connection.cookies.get(COOKIE)
 
 
-def refuse_foreign_origin(connection: HTTPConnection, parts: Annotated[Parts, Depends(parts_of)]) -> None:
+async def refuse_foreign_origin(connection: HTTPConnection, parts: Annotated[Parts, Depends(parts_of)]) -> None:
     """ServiceError ORIGIN_REFUSED for what another site's page sends."""
     check_origin(connection, parts.settings.http.origins)
 
@@ -57,10 +57,13 @@ def current_session(session: Annotated[Session, Depends(any_session)]) -> Sessio
     return session
 
 
-def stop_caller(
+async def stop_caller(
     connection: HTTPConnection, parts: Annotated[Parts, Depends(parts_of)], _: Annotated[None, _SameSite]
 ) -> Session:
-    """Everyone who has signed in, from memory alone: no database stands between a person and the stop."""
+    """Everyone who has signed in, from memory alone: no database stands between a person and the stop.
+
+    Async, as what it depends on: others would wait for a free thread, and threads wait for the database.
+    """
     token = bearer_or_cookie(connection)
     session = parts.sessions.remembered(token) if token else None
     if session is None:

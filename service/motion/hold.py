@@ -7,21 +7,20 @@ from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 import structlog
-from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
+from fastapi import APIRouter, Depends, Query, WebSocket, WebSocketDisconnect
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from robot.frames import Transform, distance_between
 from robot.guard.messages import Heartbeat, Status
-from service.auth.dependencies import any_session, current_session, refuse_foreign_origin
-from service.auth.permissions import Permission, allows
+from service.auth.dependencies import require
+from service.auth.permissions import Permission
 from service.auth.session import Session
 from service.conductor.caller import Caller
-from service.conductor.conductor import Conductor
+from service.conductor.conductor import Conductor, TheConductor
 from service.conductor.starting import goal_of_permit, start_move
-from service.errors import ErrorCode, ServiceError
+from service.errors import ServiceError
 from service.motion.endings import Ending, Endings
-from service.parts import Parts
-from service.problem_json import answer_error, problem_of
+from service.problem_json import problem_of
 
 router = APIRouter(tags=["motions of a case"])
 _log = structlog.get_logger(__name__)
@@ -54,22 +53,18 @@ class _Hold:
 async def hold(
     socket: WebSocket,
     case_id: str,
+    session: Annotated[Session, Depends(require(Permission.MOVE))],
+    conductor: TheConductor,
     permit: Annotated[str, Query(max_length=64)],
     control_token: Annotated[int | None, Query(ge=0)] = None,
 ) -> None:
     """Hold the button for a permit: the motion starts with the first live heartbeat and ends with the release."""
-    try:
-        session = await asyncio.to_thread(_session, socket)
-        caller = Caller(session, case_id, None, None, control_token)
-        goal = await asyncio.to_thread(_goal, socket.app.state.conductor, caller, permit)
-    except ServiceError as error:
-        _log.warning("hold_refused", case_id=case_id, code=error.code)
-        await socket.send_denial_response(answer_error(error))
-        return
+    caller = Caller(session, case_id, None, None, control_token)
+    goal = await asyncio.to_thread(_goal, conductor, caller, permit)
     await socket.accept()
     endings: Endings = socket.app.state.endings
     try:
-        await _run(_Hold(socket, socket.app.state.conductor, caller, permit, goal), endings.expect(permit))
+        await _run(_Hold(socket, conductor, caller, permit, goal), endings.expect(permit))
     finally:
         endings.forget(permit)
 
@@ -165,16 +160,6 @@ def _progress(status: Status, base_from_goal: Transform) -> dict[str, Any]:
         distance_mm, angle_rad = distance_between(status.arm.base_from_tcp, base_from_goal)
         message |= {"distance_mm": distance_mm, "angle_deg": math.degrees(angle_rad)}
     return message
-
-
-def _session(socket: WebSocket) -> Session:
-    """Who holds; ServiceError as for any request that needs the permission to move."""
-    parts: Parts = socket.app.state.parts
-    refuse_foreign_origin(socket, parts)
-    session = current_session(any_session(socket, parts, None))
-    if not allows(session.role, Permission.MOVE):
-        raise ServiceError(ErrorCode.PERMISSION_MISSING, f"the role {session.role} may not {Permission.MOVE}")
-    return session
 
 
 def _goal(conductor: Conductor, caller: Caller, permit_id: str) -> Transform:

@@ -1,21 +1,23 @@
 """Stop: sent first, recorded after. Nothing comes before it: no database, lease, version or image work."""
 
 import asyncio
+from typing import Annotated
 
 import structlog
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Depends
 
 from service.audit import record_audit
-from service.auth.dependencies import refuse_foreign_origin, stop_caller
+from service.auth.dependencies import stop_caller
 from service.auth.session import Session
 from service.conductor.answers import StopAnswer
-from service.conductor.conductor import Conductor
+from service.conductor.conductor import Conductor, TheConductor
 from service.conductor.taking import Prepared, Taken
 from service.errors import ErrorCode, ServiceError
 from workflow.facts import Stopped
 from workflow.triggers import Trigger
 
 router = APIRouter(tags=["stop"])
+Presser = Annotated[Session, Depends(stop_caller)]
 _log = structlog.get_logger(__name__)
 _AGAIN_S = 0.5
 # What the answer says of the record; the recording itself goes on until it is done.
@@ -25,23 +27,19 @@ _recordings: set["asyncio.Task[Taken | None]"] = set()
 
 
 @router.post("/stop")
-async def stop(request: Request) -> StopAnswer:
+async def stop(session: Presser, conductor: TheConductor) -> StopAnswer:
     """Stop the arm: everyone who has signed in, in every state, with a locked or expired session too."""
-    return await _stop(request, None)
+    return await _stop(conductor, session, None)
 
 
 @router.post("/cases/{case_id}/stop")
-async def stop_in_case(request: Request, case_id: str) -> StopAnswer:
+async def stop_in_case(case_id: str, session: Presser, conductor: TheConductor) -> StopAnswer:
     """Stop the arm, and record it in this case."""
-    return await _stop(request, case_id)
+    return await _stop(conductor, session, case_id)
 
 
-async def _stop(request: Request, case_id: str | None) -> StopAnswer:
-    # Everything up to the stop runs here on the event loop: a thread would have to be waited for.
-    parts = request.app.state.parts
-    refuse_foreign_origin(request, parts)
-    session = stop_caller(request, parts, None)
-    conductor: Conductor = request.app.state.conductor
+async def _stop(conductor: Conductor, session: Session, case_id: str | None) -> StopAnswer:
+    # Up to here all ran on the event loop: a thread would have had to be waited for.
     conductor.bridge.stop_to_record()
     sent = conductor.bridge.stop(f"pressed by {session.user_id}")
     recording = asyncio.create_task(_record(conductor, session, case_id))
