@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import sys
 from contextlib import suppress
 from typing import Any
@@ -15,6 +16,7 @@ _PRIORITY = -10
 
 def main() -> None:
     """Run one controller until standard input closes."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's interrupt is for the owner, who closes the input
     with suppress(PermissionError):
         os.nice(_PRIORITY)
     first = json.loads(sys.stdin.readline())

@@ -142,7 +142,7 @@ class ControllerProcess:
         Raises
         ------
         TimeoutError
-            If the process does not answer in time.
+            If the process does not answer in time; it is ended then.
         ConnectionError
             If it is gone.
         ValueError, OSError
@@ -155,6 +155,7 @@ class ControllerProcess:
             stdin.write(json.dumps(request).encode() + b"\n")
             stdin.flush()
             if not select.select([stdout], [], [], timeout_s)[0]:
+                self._process.kill()  # a late answer would be taken for that of the next call
                 raise TimeoutError("the controller's process does not answer")
             line = stdout.readline()
         if not line:

@@ -128,6 +128,7 @@ def test_dashboard_stop_ends_the_motion_for_good(moving, wait_until):
         client.dashboard("play")
     assert client.dashboard("running") is False
     assert client.receive("getRobotStatus") == 1  # power alone
+    assert client.control("getAsyncOperationProgressEx")["running"] is True  # nobody is left to take it back
 
 
 def test_stop_during_a_pause_cannot_be_played_again(moving, wait_until):
