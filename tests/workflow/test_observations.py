@@ -56,6 +56,14 @@ def test_a_window_does_not_outlive_its_view(walk):
     assert walk.do(Trigger.IMAGE_ARRIVED).image_use is ImageUse.UNASSIGNED
 
 
+def test_a_new_position_takes_neither_window_nor_newest_image_over(walk):
+    walk.to(State.IMAGE_ACQUIRED).do(Trigger.RETAKE)
+    walk.do(Trigger.EXPOSURE_REQUESTED)
+    walk.do(Trigger.CARM_POSITION_CONFIRMED)
+    assert walk.case.newest_image_id is None
+    assert walk.do(Trigger.IMAGE_ARRIVED).image_use is ImageUse.UNASSIGNED
+
+
 def test_a_registration_that_fails_a_check_is_taken_as_refused(walk):
     walk.to(State.IMAGE_ACQUIRED)
     good = walk.facts(Trigger.REGISTRATION_COMPLETED)
@@ -101,6 +109,17 @@ def test_a_verification_of_what_moved_meanwhile_is_late(walk):
     walk.do(Trigger.PATIENT_MOVED)
     assert walk.do(Trigger.VERIFICATION_PASSED, result).outcome is Outcome.LATE
     assert walk.case.verification is None
+
+
+def test_a_result_from_before_the_newest_motion_is_late(walk):
+    """H28: the image shows where the guide was, not where it is."""
+    walk.to(State.MOVED)
+    result = walk.facts(Trigger.VERIFICATION_PASSED)
+    for trigger in (Trigger.TARGET_CONFIRMED, Trigger.PLAN_REQUESTED, Trigger.MOVE_APPROVED, Trigger.MOVE_STARTED):
+        walk.do(trigger)
+    walk.do(Trigger.ARRIVED)
+    assert walk.do(Trigger.VERIFICATION_PASSED, result).outcome is Outcome.LATE
+    assert walk.case.state is State.MOVED
 
 
 def test_a_passed_verification_beyond_the_limits_is_taken_as_failed(walk):

@@ -23,7 +23,7 @@ def failed(refusal) -> set[str]:
 
 def test_a_permit_moves_the_arm_once(approved):
     start = approved.facts(Trigger.MOVE_STARTED)
-    approved.do(Trigger.MOVE_STARTED, start)
+    assert start.permit_id not in approved.do(Trigger.MOVE_STARTED, start).voided
     again = approved.refused(Trigger.MOVE_STARTED, start)
     assert again.code is RefusalCode.ARM_MOVING
     assert {"permit_unused", "permit_current"} <= failed(again)
