@@ -1,0 +1,140 @@
+"""Handedness (H05): the bead at its place or at its mirror place?
+
+Rings and line fit a mirrored image perfectly; only the bead tells. At both places the image is explained with and
+without a bead, the wires and balls that cross the patch in both, and the likelihoods are compared.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.devices import Bead
+from vision.profiles import ProfileReader
+from vision.projection import View, project
+from vision.refusal import Refusal, RefusalCode
+
+Array = NDArray[np.float64]
+
+LEAST_AMPLITUDE = 0.35  # of what the wires' absorption predicts for the bead's diameter; dark 8-bit images clip it
+LEAST_EXPLAINED = 0.5  # share of the patch's variation that the bead must explain
+CLEAR_WIN = 20.0  # difference of the logarithms of the two likelihoods
+_PATCH = 1.8  # half side, in bead radii
+_SEARCH_PX = 3.0  # around the predicted place: the first pose's error at the bead
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BeadEvidence:
+    """What one place says: centre in corrected pixels, amplitude against expectation, log likelihood ratio."""
+
+    centre_px: Array
+    amplitude: float
+    explained: float
+    log_ratio: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Crossing:
+    """What else may darken a patch, corrected pixels: wires' samples (n, 2); balls (m, 3) with radius in px."""
+
+    wires: Array
+    balls: Array
+
+
+def locate_bead(
+    view: View, bead: Bead, wire_amplitude_per_mm: float, reader: ProfileReader, crossing: Crossing
+) -> BeadEvidence | Refusal:
+    """The bead's centre if it is at its place, clearly.
+
+    Parameters
+    ----------
+    view : View
+        Fitted without the bead.
+    bead : Bead
+        Place in the guide frame and diameter, mm.
+    wire_amplitude_per_mm : float
+        Absorption of the wires per mm of their diameter.
+    reader : ProfileReader
+        Of the image.
+    crossing : Crossing
+        Wires and balls.
+
+    Returns
+    -------
+    BeadEvidence or Refusal
+        `mirrored` where the bead is at its mirror place, `bead_missing` where it is at neither or the win is not clear.
+    """
+    x, y, z = bead.position_mm
+    expected = wire_amplitude_per_mm * bead.diameter_mm
+    place, mirror = (
+        _evidence(view, np.array([x, sign * y, z]), bead, expected, reader, crossing) for sign in (1.0, -1.0)
+    )
+    if _clearly(place, mirror):
+        return place
+    if _clearly(mirror, place):
+        message = "the image is mirrored: the bead is at its mirror place (log likelihood ratio of its own place)"
+        return Refusal(RefusalCode.MIRRORED, message, place.log_ratio - mirror.log_ratio, CLEAR_WIN)
+    message = "the bead is not clearly at its place (its absorption against what the wires predict)"
+    return Refusal(RefusalCode.BEAD_MISSING, message, place.amplitude, LEAST_AMPLITUDE)
+
+
+def _clearly(one: BeadEvidence, other: BeadEvidence) -> bool:
+    return (
+        one.amplitude >= LEAST_AMPLITUDE
+        and one.explained >= LEAST_EXPLAINED
+        and one.log_ratio - other.log_ratio >= CLEAR_WIN
+        and other.amplitude < one.amplitude / 2.0
+    )
+
+
+def _evidence(
+    view: View, place_in_guide: Array, bead: Bead, expected: float, reader: ProfileReader, crossing: Crossing
+) -> BeadEvidence:
+    """The best explanation with a bead within the search range of a place, against none."""
+    predicted = project(view, place_in_guide[None])[0]
+    depth_mm = float((view.source_from_guide[:3, :3] @ place_in_guide + view.source_from_guide[:3, 3])[2])
+    radius_px = view.intrinsics.alpha_x_px * bead.diameter_mm / 2.0 / depth_mm
+    reach = math.ceil(_PATCH * radius_px + _SEARCH_PX)
+    steps = np.arange(-reach, reach + 1.0)
+    grid = np.column_stack([axis.ravel() for axis in np.meshgrid(steps, steps)]) + predicted
+    values, ground = reader.values_at(grid), _ground(grid, reader, crossing)
+    without = _sum_of_squares(ground, values)[0]
+    best, centre = math.inf, predicted
+    amplitude = 0.0
+    for spacing_px in (1.0, 0.3, 0.1):
+        reach_steps = _SEARCH_PX / spacing_px if spacing_px == 1.0 else 3.0
+        offsets = np.arange(-reach_steps, reach_steps + 1.0) * spacing_px
+        for shift in np.column_stack([axis.ravel() for axis in np.meshgrid(offsets, offsets)]) + centre:
+            shadow = _shadow(grid - shift, radius_px, reader.crest_sd_px)
+            left, solved = _sum_of_squares(np.column_stack((shadow, ground)), values)
+            if left < best and solved[0] > 0.0:
+                best, amplitude, centre = left, float(solved[0]), shift
+    share = min(1.0, best / max(without, 1e-12))
+    log_ratio = -0.5 * len(values) * math.log(max(share, 1e-6))
+    return BeadEvidence(centre, amplitude / expected, 1.0 - share, log_ratio)
+
+
+def _ground(grid: Array, reader: ProfileReader, crossing: Crossing) -> Array:
+    """Columns of what may be there besides the bead: a sloping ground, wires, balls."""
+    centred = grid - grid.mean(axis=0)
+    columns = [np.ones(len(grid)), centred[:, 0], centred[:, 1]]
+    near = crossing.wires[np.linalg.norm(crossing.wires - grid.mean(axis=0), axis=1) < 2.0 * np.abs(centred).max()]
+    if len(near):
+        distance = np.min(np.linalg.norm(grid[:, None] - near[None], axis=2), axis=1)
+        columns.append(np.exp(-(distance**2) / (2.0 * reader.crest_sd_px**2)))
+    for u, v, radius_px in crossing.balls:
+        if np.abs((u, v) - grid.mean(axis=0)).max() < np.abs(centred).max() + radius_px:
+            columns.append(_shadow(grid - (u, v), radius_px, reader.crest_sd_px))
+    return np.column_stack(columns)
+
+
+def _shadow(offset: Array, radius_px: float, blur_px: float) -> Array:
+    """A ball's shadow, 1 at its centre: the chord through a sphere, its rim softened by the image's blur."""
+    share = np.linalg.norm(offset, axis=1) / math.hypot(radius_px, blur_px)
+    return np.sqrt(np.clip(1.0 - share**2, 0.0, None))
+
+
+def _sum_of_squares(design: Array, values: Array) -> tuple[float, Array]:
+    solved = np.linalg.lstsq(design, values, rcond=None)[0]
+    return float(((values - design @ solved) ** 2).sum()), solved

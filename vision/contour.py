@@ -1,0 +1,243 @@
+"""The contour registration: all places on the wires against the projected model, by robust least squares.
+
+Free are four intrinsics, the pose and the guide's three dimensions; weak priors hold the intrinsics to the C-arm file,
+the dimensions to the guide file's tolerances. Symbols and gates: docs/method.md.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from vision.devices import CArm, Guide
+from vision.distortion import PlateFit
+from vision.projection import Intrinsics, View, project
+from vision.wire_model import points_in_guide, with_dimensions
+
+Array = NDArray[np.float64]
+
+SQUARE_SD = 5e-4  # relative: alpha_y against alpha_x; the plate and the panel make the corrected grid square
+VIEW_PARAMETERS = 10  # alpha_x, alpha_y, u0, v0 (px), rotation vector (rad), translation (mm): see Registration
+_TUKEY = 4.685  # standard deviations beyond which an observation has no weight; 95 % efficient on clean data
+LEAST_NOISE_PX = 0.02  # of one ridge point: interpolation and the profile's model are no better
+_LAGS = 12  # neighbours along a wire over which noise may be correlated
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observations:
+    """What was measured in the image, each along one direction.
+
+    Attributes
+    ----------
+    points_in_guide : tuple[NDArray[np.intp], Array] is kept apart as `wire` and `along`
+        Places on the wires, as in `WireSamples`.
+    measured : Array
+        (n, 2), corrected pixels.
+    normals : Array
+        (n, 2): the direction in which each place was measured.
+    extra_in_guide, extra_measured, extra_normals, extra_sd_px
+        The same for single points (line ends, bead): (m, 3) mm, (m, 2), (m, 2), (m,).
+    """
+
+    wire: NDArray[np.intp]
+    along: Array
+    measured: Array
+    normals: Array
+    extra_in_guide: Array
+    extra_measured: Array
+    extra_normals: Array
+    extra_sd_px: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContourFit:
+    """The solution.
+
+    Attributes
+    ----------
+    guide : Guide
+        With the dimensions as the fit has them.
+    residual_px : Array
+        (n,) along the normals.
+    weight : Array
+        (n,) robust weight, 0 to 1.
+    noise_px : float
+        Robust standard deviation of one ridge point.
+    correlation : float
+        Factor of the variance that neighbours' correlation makes.
+    pulls_sd : dict[str, float]
+        Of each prior, in its standard deviations.
+    covariance : Array
+        (13, 13): the ten of `Registration.covariance`, then small radius, big radius, separation (mm).
+    """
+
+    view: View
+    guide: Guide
+    residual_px: Array
+    weight: Array
+    noise_px: float
+    correlation: float
+    pulls_sd: dict[str, float]
+    covariance: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Priors:
+    """Means and standard deviations of what the files say."""
+
+    nominal: Intrinsics
+    alpha_sd_px: float
+    centre_sd_px: float
+    guide: Guide
+
+    @classmethod
+    def of(cls, carm: CArm, guide: Guide, nominal: Intrinsics) -> "Priors":
+        """From the device files."""
+        relative = carm.source_to_image_sd_mm / carm.source_to_image_mm
+        return cls(nominal, nominal.alpha_x_px * relative, carm.principal_point_sd_px, guide)
+
+    def pulls(self, view: View, guide: Guide) -> dict[str, float]:
+        """How many standard deviations each quantity lies from its prior."""
+        intrinsics, sd = view.intrinsics, self.guide.tolerance
+        return {
+            "source_to_image": (intrinsics.alpha_x_px - self.nominal.alpha_x_px) / self.alpha_sd_px,
+            "square": (intrinsics.alpha_y_px - intrinsics.alpha_x_px) / (SQUARE_SD * self.nominal.alpha_x_px),
+            "centre_u": (intrinsics.u0_px - self.nominal.u0_px) / self.centre_sd_px,
+            "centre_v": (intrinsics.v0_px - self.nominal.v0_px) / self.centre_sd_px,
+            "small_radius": (guide.small_ring_radius_mm - self.guide.small_ring_radius_mm) / sd.radius_sd_mm,
+            "big_radius": (guide.big_ring_radius_mm - self.guide.big_ring_radius_mm) / sd.radius_sd_mm,
+            "separation": (guide.separation_mm - self.guide.separation_mm) / sd.separation_sd_mm,
+        }
+
+
+def fit_contour(view: View, guide: Guide, observations: Observations, priors: Priors, plate: PlateFit) -> ContourFit:
+    """Solve for the view.
+
+    Parameters
+    ----------
+    view, guide
+        Where to start.
+    observations : Observations
+        From the image.
+    priors : Priors
+        From the device files.
+    plate : PlateFit
+        The distortion's uncertainty, which all observations share.
+
+    Returns
+    -------
+    ContourFit
+        With covariance; nothing here is judged.
+    """
+    weight = np.ones(len(observations.along))
+    noise_px = 0.3
+    for _ in range(4):
+        view, guide = _solve(view, guide, observations, priors, weight, noise_px)
+        residual = _residual(view, guide, observations)
+        noise_px = max(LEAST_NOISE_PX, 1.4826 * float(np.median(np.abs(residual))))
+        weight = np.clip(1.0 - (residual / (_TUKEY * noise_px)) ** 2, 0.0, None) ** 2
+    correlation = _correlation(residual, weight, observations)
+    covariance = _covariance(view, guide, observations, priors, weight, noise_px, correlation, plate)
+    return ContourFit(view, guide, residual, weight, noise_px, correlation, priors.pulls(view, guide), covariance)
+
+
+def _solve(
+    view: View, guide: Guide, observations: Observations, priors: Priors, weight: Array, noise_px: float
+) -> tuple[View, Guide]:
+    def residual(step: Array) -> Array:
+        return _weighted(*_moved(view, guide, step * _SCALES), observations, priors, weight, noise_px)
+
+    step = least_squares(residual, np.zeros(len(_SCALES)), method="lm", xtol=1e-10).x * _SCALES
+    return _moved(view, guide, step)
+
+
+# Steps of about equal effect on the image: px, rad, mm; then the guide's radii and separation, mm.
+_SCALES = np.array([10.0, 10.0, 5.0, 5.0, 2e-3, 2e-3, 2e-3, 0.5, 0.5, 3.0, 0.02, 0.02, 0.03])
+
+
+def _moved(view: View, guide: Guide, step: Array) -> tuple[View, Guide]:
+    """A step of the 13 parameters, the pose's applied on the left in the source frame."""
+    intrinsics, pose = view.intrinsics, view.source_from_guide.copy()
+    pose[:3, :3] = Rotation.from_rotvec(step[4:7]).as_matrix() @ pose[:3, :3]
+    pose[:3, 3] += step[7:10]
+    moved = replace(
+        intrinsics,
+        alpha_x_px=intrinsics.alpha_x_px + float(step[0]),
+        alpha_y_px=intrinsics.alpha_y_px + float(step[1]),
+        u0_px=intrinsics.u0_px + float(step[2]),
+        v0_px=intrinsics.v0_px + float(step[3]),
+    )
+    dimensions = with_dimensions(
+        guide,
+        guide.small_ring_radius_mm + float(step[10]),
+        guide.big_ring_radius_mm + float(step[11]),
+        guide.separation_mm + float(step[12]),
+    )
+    return View(moved, pose), dimensions
+
+
+def _residual(view: View, guide: Guide, observations: Observations) -> Array:
+    """Distance (n,) of each ridge point from the model along its normal, corrected px."""
+    model = project(view, points_in_guide(guide, observations.wire, observations.along))
+    return np.asarray(((observations.measured - model) * observations.normals).sum(axis=1))
+
+
+def _extra_residual(view: View, observations: Observations) -> Array:
+    model = project(view, observations.extra_in_guide)
+    return np.asarray(((observations.extra_measured - model) * observations.extra_normals).sum(axis=1))
+
+
+def _weighted(
+    view: View, guide: Guide, observations: Observations, priors: Priors, weight: Array, noise_px: float
+) -> Array:
+    """Everything in its standard deviations: ridge points, single points, priors."""
+    return np.concatenate(
+        (
+            _residual(view, guide, observations) * np.sqrt(weight) / noise_px,
+            _extra_residual(view, observations) / observations.extra_sd_px,
+            list(priors.pulls(view, guide).values()),
+        )
+    )
+
+
+def _correlation(residual: Array, weight: Array, observations: Observations) -> float:
+    """Variance factor 1 + 2 sum of the autocorrelations along the wires; samples are a pixel apart."""
+    total = 1.0
+    for lag in range(1, _LAGS + 1):
+        pair = (observations.wire[lag:] == observations.wire[:-lag]) & (weight[lag:] > 0.0) & (weight[:-lag] > 0.0)
+        product = float((residual[lag:] * residual[:-lag])[pair].mean()) if pair.any() else 0.0
+        share = product / float((residual[weight > 0.0] ** 2).mean())
+        if share < 0.05:
+            break
+        total += 2.0 * share
+    return total
+
+
+def _covariance(
+    view: View,
+    guide: Guide,
+    observations: Observations,
+    priors: Priors,
+    weight: Array,
+    noise_px: float,
+    correlation: float,
+    plate: PlateFit,
+) -> Array:
+    """(13, 13): noise with its correlation, priors, and the distortion map's error, which all points share."""
+    noise_px = noise_px * float(np.sqrt(correlation))
+
+    def residual(step: Array) -> Array:
+        return _weighted(*_moved(view, guide, step * _SCALES), observations, priors, weight, noise_px)
+
+    jacobian = least_squares(residual, np.zeros(len(_SCALES)), method="lm", max_nfev=1, diff_step=1e-3).jac / _SCALES
+    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    count = len(observations.along)
+    gain = inverse @ (jacobian[:count] * (np.sqrt(weight) / noise_px)[:, None]).T
+    basis = plate.map.basis(plate.map.raw_from_corrected(observations.measured))
+    shared = np.zeros_like(inverse)
+    for axis in (0, 1):
+        spread = gain @ (observations.normals[:, axis, None] * basis)
+        shared += spread @ plate.coefficient_covariance @ spread.T
+    return np.asarray(inverse + shared)

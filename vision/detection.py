@@ -1,0 +1,176 @@
+"""The two rings among whatever else the image shows: ellipses voted for by oriented ridge points.
+
+Three points with tangents fix an ellipse, so few random triples suffice even where rings are broken and clutter is
+common; only what then finds ridge points all around is kept.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from vision.conics import Ellipse, conic_from_ellipse, fit_ellipse
+from vision.wires import Ridge
+
+Array = NDArray[np.float64]
+
+LEAST_SUPPORT = 0.5  # of a ring's circumference on which ridge points must lie
+_TRIPLES = 60_000
+_SAMPLES = 40  # on the circumference, for the first look
+_FINE_SAMPLES = 180
+_LOOSE_PX, _TIGHT_PX = 3.0, 1.5
+_NORMALS_WITHIN = 0.95  # cosine of the angle between the ridge's normal and the ellipse's
+_REFINED = 150  # hypotheses refined, the best supported first
+_SAME_PX = 6.0  # ellipses nearer than this to one another in centre and axes are one
+_SEED = 20  # of the triples: the same image gives the same registration
+
+
+@dataclass(frozen=True, slots=True)
+class AxisRange:
+    """Plausible semi-major axes of a ring, px, and the least ratio of the axes."""
+
+    least_px: float
+    greatest_px: float
+    least_ratio: float = math.cos(math.radians(52.0))  # 45 deg of tilt and the perspective's share
+
+
+@dataclass(frozen=True, slots=True)
+class RingCandidate:
+    """An ellipse, corrected pixels, and the share of its circumference on which ridge points lie."""
+
+    ellipse: Ellipse
+    support: float
+
+
+def ring_candidates(ridge: Ridge, axes: AxisRange) -> list[RingCandidate]:
+    """Ellipses that ridge points follow.
+
+    Parameters
+    ----------
+    ridge : Ridge
+        Corrected pixels.
+    axes : AxisRange
+        What a ring may look like.
+
+    Returns
+    -------
+    list[RingCandidate]
+        Best supported first, each at least `LEAST_SUPPORT`, no two of them the same.
+    """
+    if len(ridge.points) < 50:
+        return []
+    tree = KDTree(ridge.points)
+    hypotheses = _hypotheses(ridge, axes)
+    support = _supports(hypotheses, ridge, tree, _SAMPLES, _LOOSE_PX)
+    order = np.argsort(-support)[:_REFINED]
+    candidates = [_refined(hypotheses[index], ridge, tree, axes) for index in order]
+    distinct: list[RingCandidate] = []
+    for candidate in sorted((c for c in candidates if c is not None), key=lambda c: -c.support):
+        if candidate.support >= LEAST_SUPPORT and not any(_same(candidate.ellipse, d.ellipse) for d in distinct):
+            distinct.append(candidate)
+    return distinct
+
+
+def _hypotheses(ridge: Ridge, axes: AxisRange) -> Array:
+    """Ellipses (h, 5) as centre u, v and A, B, C of A x^2 + B x y + C y^2 = 1, from random triples."""
+    random = np.random.default_rng(_SEED)
+    triple = random.integers(0, len(ridge.points), (_TRIPLES, 3))
+    reach = 2.0 * axes.greatest_px
+    spread = np.abs(ridge.points[triple[:, 1:]] - ridge.points[triple[:, :1]]).max(axis=(1, 2))
+    p = ridge.points[triple[spread < reach]]
+    n = ridge.normals[triple[spread < reach]]
+    centre = _centres(p, n)
+    x, y = np.moveaxis(p - centre[:, None, :], 2, 0)
+    squares = np.stack((x * x, x * y, y * y), axis=2)
+    solvable = np.isfinite(centre).all(axis=1) & (np.abs(np.linalg.det(np.nan_to_num(squares))) > 1.0)
+    form = np.linalg.solve(squares[solvable], np.ones((int(solvable.sum()), 3, 1)))[:, :, 0]
+    return _plausible(np.column_stack((centre[solvable], form)), axes)
+
+
+def _centres(p: Array, n: Array) -> Array:
+    """Centres (h, 2): the line from where two tangents meet through the middle of their points passes the centre."""
+    lines = []
+    for first, second in ((0, 1), (1, 2)):
+        a, b = n[:, first], n[:, second]
+        right = np.stack(((a * p[:, first]).sum(axis=1), (b * p[:, second]).sum(axis=1)), axis=1)
+        determinant = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            meet_u = (right[:, 0] * b[:, 1] - right[:, 1] * a[:, 1]) / determinant
+            meet_v = (a[:, 0] * right[:, 1] - b[:, 0] * right[:, 0]) / determinant
+        middle = (p[:, first] + p[:, second]) / 2.0
+        along = middle - np.stack((meet_u, meet_v), axis=1)
+        lines.append((np.stack((-along[:, 1], along[:, 0]), axis=1), middle))
+    (a, p_a), (b, p_b) = lines
+    right = np.stack(((a * p_a).sum(axis=1), (b * p_b).sum(axis=1)), axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        determinant = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        u = (right[:, 0] * b[:, 1] - right[:, 1] * a[:, 1]) / determinant
+        v = (a[:, 0] * right[:, 1] - b[:, 0] * right[:, 0]) / determinant
+    return np.stack((u, v), axis=1)
+
+
+def _plausible(hypotheses: Array, axes: AxisRange) -> Array:
+    """Those whose axes are a ring's."""
+    _, _, a, b, c = hypotheses.T
+    mean, spread = (a + c) / 2.0, np.sqrt((a - c) ** 2 / 4.0 + b**2 / 4.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        major, minor = 1.0 / np.sqrt(mean - spread), 1.0 / np.sqrt(mean + spread)
+        fits = (major > axes.least_px) & (major < axes.greatest_px) & (minor > axes.least_ratio * major)
+    return hypotheses[fits]
+
+
+def _supports(hypotheses: Array, ridge: Ridge, tree: KDTree, samples: int, within_px: float) -> Array:
+    """Share (h,) of `samples` points of each circumference near which a ridge point of the same direction lies."""
+    if not len(hypotheses):
+        return np.zeros(0)
+    angle = np.linspace(0.0, 2.0 * np.pi, samples, endpoint=False)
+    x, y = np.cos(angle), np.sin(angle)
+    _, _, a, b, c = (column[:, None] for column in hypotheses.T)
+    radius = 1.0 / np.sqrt(a * x * x + b * x * y + c * y * y)
+    normal = np.stack((2.0 * a * x + b * y, b * x + 2.0 * c * y), axis=2)
+    normal /= np.linalg.norm(normal, axis=2, keepdims=True)
+    points = hypotheses[:, None, :2] + radius[:, :, None] * np.stack((x, y), axis=1)
+    distance, index = tree.query(points, distance_upper_bound=within_px)
+    found = index < len(ridge.points)
+    parallel = np.abs((ridge.normals[np.where(found, index, 0)] * normal).sum(axis=2)) > _NORMALS_WITHIN
+    return np.asarray((found & parallel).mean(axis=1), dtype=np.float64)
+
+
+def _refined(hypothesis: Array, ridge: Ridge, tree: KDTree, axes: AxisRange) -> RingCandidate | None:
+    """The hypothesis refitted to the ridge points along it, three times, ever more closely."""
+    form = hypothesis
+    ellipse: Ellipse | None = None
+    for within_px in (2.0 * _LOOSE_PX, _LOOSE_PX, _TIGHT_PX):
+        ellipse = fit_ellipse(ridge.points[followers(form, ridge, within_px)])
+        if ellipse is None:
+            return None
+        form = _form(ellipse)
+    assert ellipse is not None
+    if not len(_plausible(form[None], axes)):
+        return None
+    return RingCandidate(ellipse, float(_supports(form[None], ridge, tree, _FINE_SAMPLES, _TIGHT_PX)[0]))
+
+
+def followers(form: Array, ridge: Ridge, within_px: float) -> NDArray[np.bool_]:
+    """Which ridge points follow an ellipse (5,): near it, by Sampson's distance, and in its direction."""
+    u, v, a, b, c = form
+    x, y = ridge.points[:, 0] - u, ridge.points[:, 1] - v
+    gradient = np.column_stack((2.0 * a * x + b * y, b * x + 2.0 * c * y))
+    length = np.linalg.norm(gradient, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = np.abs(a * x * x + b * x * y + c * y * y - 1.0) / length
+        parallel = np.abs((gradient * ridge.normals).sum(axis=1)) / length
+    return np.asarray((distance < within_px) & (parallel > _NORMALS_WITHIN))
+
+
+def _form(ellipse: Ellipse) -> Array:
+    """Centre and A, B, C (5,) of an ellipse."""
+    conic = conic_from_ellipse(ellipse)
+    return np.array([*ellipse.centre_px, conic[0, 0], 2.0 * conic[0, 1], conic[1, 1]])
+
+
+def _same(one: Ellipse, other: Ellipse) -> bool:
+    apart = np.abs(np.subtract(one.centre_px + one.semi_axes_px, other.centre_px + other.semi_axes_px))
+    return bool(apart.max() < _SAME_PX)

@@ -1,0 +1,79 @@
+"""The two ends of the indicator line: where its absorption has fallen to half."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.special import erf
+
+from vision.devices import Guide
+from vision.profiles import ProfileReader
+from vision.projection import View, project
+from vision.wire_model import Wire, WireSamples
+
+Array = NDArray[np.float64]
+
+_REACH_PX = 10.0
+_STEP_PX = 0.5
+_LEAST_AMPLITUDE = 0.4  # of the line's own absorption: how high the step must be to be the line's end
+
+
+@dataclass(frozen=True, slots=True)
+class LineEnd:
+    """A measured end: x of the fiducial in the guide frame, mm, and how far beyond its projection it lies, px."""
+
+    x_mm: float
+    excess_px: float
+    amplitude: float
+
+
+def measure_line_ends(view: View, guide: Guide, reader: ProfileReader, samples: WireSamples, balls: Array) -> list[LineEnd]:
+    """Those ends that neither a ring nor a ball covers; excess is counted outwards along the line.
+
+    Parameters
+    ----------
+    view, guide
+        The present estimate.
+    reader : ProfileReader
+        Of the image.
+    samples : WireSamples
+        Of all wires, by the same view.
+    balls : Array
+        (n, 3), corrected pixel and radius in px.
+    """
+    points = project(view, np.array([[guide.line_start_mm, 0.0, 0.0], [guide.line_end_mm, 0.0, 0.0]]))
+    along = (points[1] - points[0]) / np.linalg.norm(points[1] - points[0])
+    rings = samples.points[samples.wire != Wire.LINE]
+    ends = []
+    for x_mm, point, outwards in ((guide.line_start_mm, points[0], -along), (guide.line_end_mm, points[1], along)):
+        steps = np.arange(-_REACH_PX, _REACH_PX + _STEP_PX / 2.0, _STEP_PX)
+        places = point + steps[:, None] * outwards
+        free = _free(places, rings, balls, reader.reach_px)
+        # both sides of the step must be seen
+        if (free & (steps < -2.0)).sum() < 6 or (free & (steps > 2.0)).sum() < 6:
+            continue
+        normals = np.broadcast_to((-along[1], along[0]), places.shape)
+        ends.append(_step_fit(x_mm, steps[free], reader.amplitude_at(places, normals)[free]))
+    return ends
+
+
+def _free(places: Array, rings: Array, balls: Array, reach_px: float) -> NDArray[np.bool_]:
+    free = np.min(np.linalg.norm(places[:, None] - rings[None], axis=2), axis=1) > reach_px
+    if len(balls):
+        free &= (np.linalg.norm(places[:, None] - balls[None, :, :2], axis=2) > balls[:, 2] + reach_px / 2.0).all(axis=1)
+    return np.asarray(free)
+
+
+def _step_fit(x_mm: float, steps: Array, amplitude: Array) -> LineEnd:
+    inner = float(np.median(amplitude[steps < -2.0]))
+    scale = max(abs(inner), 1e-6)
+
+    def excess(parameters: Array) -> Array:
+        place, height, ground, width = parameters
+        wave = 0.5 * (1.0 - erf((steps - place) / (math.sqrt(2.0) * max(width, 0.3))))
+        return np.asarray((ground + height * wave - amplitude) / scale)
+
+    solved = least_squares(excess, (0.0, inner, 0.0, 1.2), loss="soft_l1", f_scale=0.1).x
+    return LineEnd(x_mm, float(np.clip(solved[0], -_REACH_PX, _REACH_PX)), float(solved[1]))

@@ -1,0 +1,155 @@
+"""Images from bytes: PNG, TIFF and DICOM, bounded before they are decoded (H31).
+
+Whatever arrives here is hostile until proved otherwise: sizes are read from the header before a pixel is decoded, and
+every fault of a decoder becomes a typed refusal.
+"""
+
+import hashlib
+import io
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pydicom
+from numpy.typing import NDArray
+from PIL import Image
+from pydicom.errors import InvalidDicomError
+from pydicom.pixels import pixel_array
+
+from vision.refusal import Refusal, RefusalCode
+
+LEAST_SIDE_PX = 256  # below it the wires of a 9 inch field are thinner than a pixel
+GREATEST_SIDE_PX = 4096
+GREATEST_BYTES = 256 * 1024 * 1024
+_DICOM_MAGIC = b"DICM"
+_XRAY_MODALITIES = frozenset({"XA", "RF", "CR", "DX", "OT"})
+_POLARITIES = frozenset({"MONOCHROME1", "MONOCHROME2"})
+_PICTURE_FORMATS = ("PNG", "TIFF")
+_PICTURE_BITS = {"L": 8, "I;16": 16, "I;16B": 16, "I;16L": 16}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class XrayImage:
+    """One decoded X-ray image.
+
+    Attributes
+    ----------
+    pixels : NDArray[np.float32]
+        (rows, columns), dark where the beam was absorbed, 0 to 1 of the range of `bits`.
+    bits : int
+        Bits stored per pixel.
+    sha256 : str
+        Of the bytes as they arrived.
+    """
+
+    pixels: NDArray[np.float32]
+    bits: int
+    sha256: str
+
+    @property
+    def rows(self) -> int:
+        """Height in pixels."""
+        return int(self.pixels.shape[0])
+
+    @property
+    def columns(self) -> int:
+        """Width in pixels."""
+        return int(self.pixels.shape[1])
+
+
+def decode(data: bytes, frame: int | None = None) -> XrayImage | Refusal:
+    """The X-ray image in a file's bytes.
+
+    Parameters
+    ----------
+    data : bytes
+        A PNG or TIFF of 8 or 16 bits, or a DICOM file (XA, RF, CR, DX, SC; MONOCHROME1 or 2).
+    frame : int or None
+        Which frame of a DICOM image, from 1; needed where there are several.
+
+    Returns
+    -------
+    XrayImage or Refusal
+        `unreadable_image` for what no decoder takes, `unsupported_image` for what is no X-ray image of these kinds,
+        `image_too_large` beyond the size limits.
+    """
+    if len(data) > GREATEST_BYTES:
+        return Refusal(RefusalCode.IMAGE_TOO_LARGE, "the file's size in bytes", len(data), GREATEST_BYTES)
+    is_dicom = data[128:132] == _DICOM_MAGIC
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # decoders warn of oddities that the checks here decide upon
+        stored = _decode_dicom(data, frame) if is_dicom else _decode_picture(data, frame)
+    if isinstance(stored, Refusal):
+        return stored
+    values, bits, inverted = stored
+    pixels = values.astype(np.float32) / np.float32(2**bits - 1)
+    return XrayImage(1.0 - pixels if inverted else pixels, bits, hashlib.sha256(data).hexdigest())
+
+
+def _decode_picture(data: bytes, frame: int | None) -> tuple[NDArray[Any], int, bool] | Refusal:
+    if frame not in (None, 1):
+        return Refusal(RefusalCode.UNSUPPORTED_IMAGE, "frames are chosen in DICOM images only", frame, 1)
+    try:
+        with Image.open(io.BytesIO(data), formats=_PICTURE_FORMATS) as picture:
+            columns, rows = picture.size
+            refusal = _check_size(rows, columns)
+            if refusal is not None:
+                return refusal
+            bits = _PICTURE_BITS.get(picture.mode)
+            if bits is None:
+                return _unsupported(f"pixels of mode {picture.mode}; 8 or 16 bit grey values are needed")
+            return np.array(picture), bits, False
+    except (OSError, ValueError, SyntaxError, OverflowError, MemoryError, Image.DecompressionBombError) as error:
+        return _unreadable(error)
+
+
+def _decode_dicom(data: bytes, frame: int | None) -> tuple[NDArray[Any], int, bool] | Refusal:
+    try:
+        dataset = pydicom.dcmread(io.BytesIO(data))
+        return _dicom_pixels(dataset, frame)
+    # pydicom and its plug-ins raise whatever their parsers meet in hostile bytes; all of it means "unreadable"
+    except (InvalidDicomError, Exception) as error:  # noqa: BLE001
+        return _unreadable(error)
+
+
+def _dicom_pixels(dataset: Any, frame: int | None) -> tuple[NDArray[Any], int, bool] | Refusal:
+    refusal = _check_dicom_header(dataset)
+    if refusal is not None:
+        return refusal
+    frames = int(dataset.get("NumberOfFrames", 1) or 1)
+    if (frame is None and frames > 1) or not 1 <= (frame or 1) <= frames:
+        return Refusal(RefusalCode.UNSUPPORTED_IMAGE, f"choose one of {frames} frames with --frame", frame, frames)
+    values = pixel_array(dataset, index=(frame or 1) - 1)
+    bits = int(dataset.BitsStored)
+    if int(dataset.PixelRepresentation):
+        values = values.astype(np.int32) + 2 ** (bits - 1)
+    return np.clip(values, 0, 2**bits - 1), bits, dataset.PhotometricInterpretation == "MONOCHROME1"
+
+
+def _check_dicom_header(dataset: Any) -> Refusal | None:
+    """Modality and pixel format; the SOP class is not asked, since secondary captures of X-rays are usual."""
+    if str(dataset.get("Modality", "")) not in _XRAY_MODALITIES:
+        return _unsupported(f"modality {dataset.get('Modality', 'none')!s}; an X-ray image is needed")
+    if dataset.get("PhotometricInterpretation") not in _POLARITIES or int(dataset.get("SamplesPerPixel", 1)) != 1:
+        return _unsupported(f"pixels are {dataset.get('PhotometricInterpretation', 'of no kind')!s}; grey is needed")
+    return _check_size(int(dataset.Rows), int(dataset.Columns))
+
+
+def _check_size(rows: int, columns: int) -> Refusal | None:
+    if max(rows, columns) > GREATEST_SIDE_PX:
+        message = f"the image is {columns} x {rows} pixels: its longer side"
+        return Refusal(RefusalCode.IMAGE_TOO_LARGE, message, max(rows, columns), GREATEST_SIDE_PX)
+    if min(rows, columns) < LEAST_SIDE_PX:
+        message = f"the image is {columns} x {rows} pixels: its shorter side"
+        return Refusal(RefusalCode.UNSUPPORTED_IMAGE, message, min(rows, columns), LEAST_SIDE_PX)
+    return None
+
+
+def _unsupported(message: str) -> Refusal:
+    return Refusal(RefusalCode.UNSUPPORTED_IMAGE, message)
+
+
+def _unreadable(error: BaseException) -> Refusal:
+    reason = (str(error).splitlines() or [type(error).__name__])[0][:200]
+    return Refusal(RefusalCode.UNREADABLE_IMAGE, f"the bytes are no readable image: {reason}")
