@@ -96,7 +96,7 @@ def remember_clean_image(case: CaseState, inquiry: Inquiry) -> CaseState:
 
 def _image(case: CaseState, image_id: str) -> CaseState:
     view_id = case.view.id if case.view else ""
-    return replace(case, image=Artefact(image_id, (view_id,)), window=None)
+    return replace(case, image=Artefact(image_id, (view_id,)))
 
 
 def new_image(case: CaseState, inquiry: Inquiry) -> CaseState:

@@ -186,6 +186,17 @@ def test_a_sleeve_is_verified_only_while_the_verification_stands(new_walk):
     assert moved.case.insertion.flagged
 
 
+def test_a_sleeve_said_to_be_in_again_is_as_verified_as_it_was(new_walk):
+    verified = new_walk().to(State.SLEEVE_INSERTED)
+    verified.do(Trigger.PATIENT_MOVED)
+    verified.do(Trigger.SLEEVE_IN)
+    assert verified.case.insertion.verified
+    surprising = new_walk().to(State.VERIFIED)
+    for trigger in (Trigger.SLEEVE_IN, Trigger.ACKNOWLEDGED, Trigger.SLEEVE_IN):
+        surprising.do(trigger)
+    assert not surprising.case.insertion.verified
+
+
 def test_turning_the_carm_away_keeps_a_passed_verification_for_the_insertion(walk):
     walk.to(State.VERIFIED).do(Trigger.CARM_MOVED)
     assert walk.case.state is State.VERIFIED

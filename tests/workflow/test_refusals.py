@@ -127,6 +127,9 @@ def test_the_third_correction_of_a_target_needs_a_reason(walk):
             walk.do(trigger)
     assert walk.refused(Trigger.CORRECTION_REQUESTED).code is RefusalCode.REASON_REQUIRED
     walk.do(Trigger.CORRECTION_REQUESTED, reason="the needle bent")
+    assert walk.case.corrections == 3
+    walk.do(Trigger.TARGET_CONFIRMED)
+    assert walk.case.corrections == 0
 
 
 def test_only_a_surgeon_acknowledges_and_papers_need_their_role(walk):
