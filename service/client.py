@@ -19,27 +19,12 @@ from uuid import uuid4
 import httpx
 
 from service.client_hold import Hold, HoldEnded
+from service.client_refused import Refused
 
 __all__ = ["Case", "Coaxial", "Hold", "HoldEnded", "Refused"]
 
 Json = dict[str, Any]
 _POLL_S = 0.05
-
-
-class Refused(Exception):  # noqa: N818  it is an answer, not a fault
-    """A typed no of the service; `problem` is the whole answer."""
-
-    def __init__(self, status: int, problem: Json) -> None:
-        super().__init__(f"{status} {problem.get('code')}: {problem.get('detail')}")
-        self.status = status
-        self.code = str(problem.get("code"))
-        self.detail = str(problem.get("detail"))
-        self.what_to_do = str(problem.get("what_to_do"))
-        self.measured = problem.get("measured")
-        self.limit = problem.get("limit")
-        self.leads_onwards: list[str] = list(problem.get("leads_onwards", ()))
-        self.verdicts: list[Json] = list(problem.get("verdicts", ()))
-        self.problem = problem
 
 
 class Coaxial:
@@ -125,8 +110,7 @@ class Coaxial:
     @staticmethod
     def _answer(response: httpx.Response) -> httpx.Response:
         if response.is_error:
-            is_problem = "json" in response.headers.get("content-type", "")
-            raise Refused(response.status_code, response.json() if is_problem else {"detail": response.text})
+            raise Refused.from_body(response.status_code, response.content)
         return response
 
 

@@ -3,12 +3,15 @@
 import json
 import threading
 import time
+from contextlib import ExitStack
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Self
 
-from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+from service.client_refused import Refused
 
 HEARTBEAT_S = 0.05
 
@@ -33,22 +36,29 @@ class Hold:
     """
 
     def __init__(self, url: str, token: str) -> None:
-        self._connection = connect(
-            url, additional_headers={"Authorization": f"Bearer {token}"}, open_timeout=10, ping_interval=None
-        )
+        self._url = url
+        self._token = token
+        self._open = ExitStack()
+        self._threads: list[threading.Thread] = []
         self._lock = threading.Lock()
         self._held = True
+        self._silent = False
         self._number = 0
         self._challenge = ""
         self._ended: HoldEnded | None = None
         self._over = threading.Event()
         self.progress: dict[str, Any] = {}
-        threads = (self._listen, self._beat)
-        self._threads = [threading.Thread(target=run, args=(self._connection,), daemon=True) for run in threads]
 
     def __enter__(self) -> Self:
-        for thread in self._threads:
-            thread.start()
+        headers = {"Authorization": f"Bearer {self._token}"}
+        opening = connect(self._url, additional_headers=headers, open_timeout=10, ping_interval=None)
+        try:
+            self._connection = self._open.enter_context(opening)
+        except InvalidStatus as refusal:
+            raise Refused.from_body(refusal.response.status_code, refusal.response.body or b"") from None
+        for run in (self._listen, self._beat):
+            self._threads.append(threading.Thread(target=run, daemon=True))
+            self._threads[-1].start()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
@@ -56,19 +66,18 @@ class Hold:
             self.release()
             self._over.wait(5.0)
         self._over.set()
-        self._connection.close()
+        self._open.close()
         for thread in self._threads:
             thread.join(5.0)
 
     def release(self) -> None:
         """Let go: said at once, not only by silence."""
         self._held = False
-        self._send(self._connection)
+        self._send()
 
     def fall_silent(self) -> None:
-        """Send nothing any more, as a lost network would."""
-        self._connection.socket.close()
-        self._over.set()
+        """Send nothing any more, as a lost network would; what comes in is still heard."""
+        self._silent = True
 
     def wait(self, timeout_s: float) -> HoldEnded:
         """Hold until the motion is over; TimeoutError after `timeout_s`."""
@@ -76,27 +85,27 @@ class Hold:
             raise TimeoutError(f"the motion did not end within {timeout_s} s")
         return self._ended
 
-    def _beat(self, connection: ClientConnection) -> None:
+    def _beat(self) -> None:
         due_s = time.monotonic()
-        while not self._over.is_set() and self._held:
-            self._send(connection)
+        while not self._over.is_set() and self._held and not self._silent:
+            self._send()
             due_s += HEARTBEAT_S
             self._over.wait(max(0.0, due_s - time.monotonic()))
 
-    def _send(self, connection: ClientConnection) -> None:
+    def _send(self) -> None:
         with self._lock:
             if not self._challenge or self._over.is_set():
                 return
             self._number += 1
             beat = {"number": self._number, "challenge": self._challenge, "held": self._held}
             try:
-                connection.send(json.dumps(beat))
+                self._connection.send(json.dumps(beat))
             except (ConnectionClosed, OSError):
                 self._over.set()
 
-    def _listen(self, connection: ClientConnection) -> None:
+    def _listen(self) -> None:
         try:
-            for text in connection:
+            for text in self._connection:
                 self._take(json.loads(text))
         except (ConnectionClosed, OSError):
             pass
