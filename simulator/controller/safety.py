@@ -59,11 +59,6 @@ class Safety:
         """RTDE field safety_status_bits."""
         return int(_BITS[self.mode])
 
-    @property
-    def unlock_needed(self) -> bool:
-        """Whether a protective stop is latched."""
-        return self._protective_since_s is not None
-
     def update(self, faults: frozenset[Fault], now_s: float) -> None:
         """Latch what the faults ask for, let go of what needs no release, and finish changes of power."""
         if Fault.PROTECTIVE_STOP in faults and self._protective_since_s is None:

@@ -28,9 +28,9 @@ class WireLog:
 
     def add_input(self, values: Mapping[str, Value]) -> None:
         """Note an input packet with its command and arguments."""
-        command = next((int(values[name]) for name in _COMMAND_REGISTERS if name in values), -1)  # type: ignore[arg-type]  # the recipe makes it scalar
-        arguments = [f"{value:.6g}" for name, value in values.items() if name not in _COMMAND_REGISTERS]
-        self.add(RTDE_PORT, "input", " ".join(arguments), command)
+        commands = [value for name, value in values.items() if name in _COMMAND_REGISTERS]
+        arguments = [_written(value) for name, value in values.items() if name not in _COMMAND_REGISTERS]
+        self.add(RTDE_PORT, "input", " ".join(arguments), int(_written(commands[0])) if commands else -1)
 
     def add_sample(self, sample: ArmSample) -> None:
         """Note one cycle of the arm."""
@@ -43,3 +43,7 @@ class WireLog:
     def samples(self, since_s: float) -> tuple[ArmSample, ...]:
         """Samples from a monotonic time on, oldest first."""
         return tuple(sample for sample in self._samples if sample.at_s >= since_s)
+
+
+def _written(value: Value) -> str:
+    return " ".join(map(_written, value)) if isinstance(value, tuple) else f"{value:.6g}"

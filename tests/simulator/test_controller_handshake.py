@@ -87,6 +87,25 @@ def test_custom_script_function_is_tolerated(controller, start_client, wait_unti
     assert client.control("isProgramRunning") is True
 
 
+def test_upper_range_of_registers_is_followed(controller, start_client, wait_until):
+    upper = start_client(controller, "receive", "upper_control")
+    assert upper.call("upper_control", "getTCPOffset") == pytest.approx([0.0] * 6)
+    assert upper.call("upper_control", "moveL", GOAL, 0.1, 0.5, True) is True
+    wait_until(lambda: upper.receive("getActualTCPPose")[2] == pytest.approx(GOAL[2], abs=1e-7))
+    assert upper.call("upper_control", "getAsyncOperationProgress") < 0
+
+
+def test_vector_inputs_are_recorded_and_move_nothing(controller):
+    names, force = b"input_int_register_0,external_force_torque", np.arange(6.0)
+    with socket.create_connection((controller.address, RTDE_PORT), timeout=5.0) as connection:
+        connection.sendall(struct.pack(">HB", 3 + len(names), 73) + names)
+        recipe = connection.recv(100)[3]
+        payload = struct.pack(">Bi6d", recipe, 0, *force)
+        connection.sendall(struct.pack(">HB", 3 + len(payload), 85) + payload)
+        time.sleep(0.1)
+    assert [record.text for record in controller.wire() if record.kind == "input"] == ["0 1 2 3 4 5"]
+
+
 def test_version_5_controller_is_read_at_500_hz(start_controller, start_client):
     controller = start_controller(version=(5, 11, 8, 1000))
     client = start_client(controller, "receive", "control")

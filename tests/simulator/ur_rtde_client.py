@@ -15,6 +15,10 @@ import rtde_receive
 def open_interface(kind: str, address: str) -> Any:
     if kind == "control":
         return rtde_control.RTDEControlInterface(address)
+    if kind == "upper_control":
+        kind_of_control = rtde_control.RTDEControlInterface
+        flags = int(kind_of_control.FLAG_UPLOAD_SCRIPT) | int(kind_of_control.FLAG_UPPER_RANGE_REGISTERS)
+        return kind_of_control(address, -1.0, flags)
     if kind == "receive":
         return rtde_receive.RTDEReceiveInterface(address)
     dashboard = dashboard_client.DashboardClient(address)
