@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 
 SCALE_WITHIN = 0.3  # relative: distance by the rings' separation against distance by their size
 GREATEST_TILT_RAD = math.radians(50.0)  # for a first pose; the gate on the final one is tighter
-_DIRECTIONS = 1440  # quarter degrees: a third of the line's width at its end
-_ON_LINE = 60
+_DIRECTIONS = 720  # half degrees: half of the line's width at its end
+_ON_LINE = 40
 _INSET_MM = 1.5  # of the line's ends, which blur
 _APART = math.radians(6.0)  # directions nearer than this to the best are the same line
 
@@ -49,7 +49,9 @@ class FirstView:
     second_contrast: float
 
 
-def consistent_pairs(candidates: list[RingCandidate], guide: Guide, nominal: Intrinsics) -> list[tuple[RingPair, float]]:
+def consistent_pairs(
+    candidates: list[RingCandidate], guide: Guide, nominal: Intrinsics
+) -> list[tuple[RingPair, float]]:
     """Pairs of ellipses that can be the guide's rings, with their summed support, the best first."""
     pairs = []
     for small in candidates:
@@ -61,7 +63,12 @@ def consistent_pairs(candidates: list[RingCandidate], guide: Guide, nominal: Int
 
 
 def first_view(
-    rings: RingPair, support: float, guide: Guide, nominal: Intrinsics, absorption: Absorption, distortion: DistortionMap
+    rings: RingPair,
+    support: float,
+    guide: Guide,
+    nominal: Intrinsics,
+    absorption: Absorption,
+    distortion: DistortionMap,
 ) -> FirstView | None:
     """The view in which the line shows best; None where the rings are no guide's."""
     upright = _axis_view(rings, guide, nominal)
@@ -71,7 +78,7 @@ def first_view(
     curvature = _Curvature(absorption, distortion, wire_px)
     on_rings = curvature.across_rings(upright, guide)
     turns = np.arange(_DIRECTIONS) * (2.0 * math.pi / _DIRECTIONS)
-    contrast = np.array([curvature.across_line(_turned(upright, turn), guide) for turn in turns]) / on_rings
+    contrast = curvature.across_lines(upright, guide, turns) / on_rings
     best = int(np.argmax(contrast))
     away = np.abs((turns - turns[best] + math.pi) % (2.0 * math.pi) - math.pi) > _APART
     view = _turned(upright, float(turns[best]))
@@ -120,13 +127,17 @@ class _Curvature:
         self._inside = absorption.inside
         self._distortion = distortion
 
-    def across_line(self, view: View, guide: Guide) -> float:
-        """Median over the indicator line's length; its median forgives balls and crossings."""
+    def across_lines(self, upright: View, guide: Guide, turns: Array) -> Array:
+        """Median over the indicator line's length for each turn (n,) of the guide; it forgives balls and crossings."""
         x = np.linspace(guide.line_start_mm + _INSET_MM, guide.line_end_mm - _INSET_MM, _ON_LINE)
-        points = project(view, np.column_stack((x, np.zeros_like(x), np.zeros_like(x))))
-        along = points[-1] - points[0]
-        normal = np.array([-along[1], along[0]]) / np.linalg.norm(along)
-        return float(np.median(self._read(points, np.broadcast_to(normal, points.shape))))
+        around = np.stack(
+            (np.cos(turns)[:, None] * x, np.sin(turns)[:, None] * x, np.zeros((len(turns), len(x)))), axis=2
+        )
+        points = project(upright, around.reshape(-1, 3)).reshape(len(turns), len(x), 2)
+        along = points[:, -1] - points[:, 0]
+        normals = np.column_stack((-along[:, 1], along[:, 0])) / np.linalg.norm(along, axis=1, keepdims=True)
+        values = self._read(points.reshape(-1, 2), np.repeat(normals, len(x), axis=0))
+        return np.asarray(np.median(values.reshape(len(turns), len(x)), axis=1))
 
     def across_rings(self, view: View, guide: Guide) -> float:
         """Median over both rings."""

@@ -61,9 +61,7 @@ def check_tilt(view: View) -> Refusal | None:
     tilt_rad = math.acos(max(-1.0, min(1.0, cosine)))
     if tilt_rad > GREATEST_TILT_RAD:
         message = "the guide's axis is too far from the beam (deg)"
-        return Refusal(
-            RefusalCode.GUIDE_MISMATCH, message, math.degrees(tilt_rad), math.degrees(GREATEST_TILT_RAD)
-        )
+        return Refusal(RefusalCode.GUIDE_MISMATCH, message, math.degrees(tilt_rad), math.degrees(GREATEST_TILT_RAD))
     return None
 
 
@@ -134,7 +132,5 @@ def check_predicted(predicted: PredictedError) -> Refusal | None:
         )
     if not predicted.position_mm <= GREATEST_PREDICTED_MM:
         message = "the predicted position error is too high (mm, 95 %)"
-        return Refusal(
-            RefusalCode.PREDICTED_ERROR_TOO_HIGH, message, predicted.position_mm, GREATEST_PREDICTED_MM
-        )
+        return Refusal(RefusalCode.PREDICTED_ERROR_TOO_HIGH, message, predicted.position_mm, GREATEST_PREDICTED_MM)
     return None

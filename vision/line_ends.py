@@ -29,7 +29,9 @@ class LineEnd:
     amplitude: float
 
 
-def measure_line_ends(view: View, guide: Guide, reader: ProfileReader, samples: WireSamples, balls: Array) -> list[LineEnd]:
+def measure_line_ends(
+    view: View, guide: Guide, reader: ProfileReader, samples: WireSamples, balls: Array
+) -> list[LineEnd]:
     """Those ends that neither a ring nor a ball covers; excess is counted outwards along the line.
 
     Parameters
@@ -62,7 +64,9 @@ def measure_line_ends(view: View, guide: Guide, reader: ProfileReader, samples: 
 def _free(places: Array, rings: Array, balls: Array, reach_px: float) -> NDArray[np.bool_]:
     free = np.min(np.linalg.norm(places[:, None] - rings[None], axis=2), axis=1) > reach_px
     if len(balls):
-        free &= (np.linalg.norm(places[:, None] - balls[None, :, :2], axis=2) > balls[:, 2] + reach_px / 2.0).all(axis=1)
+        free &= (np.linalg.norm(places[:, None] - balls[None, :, :2], axis=2) > balls[:, 2] + reach_px / 2.0).all(
+            axis=1
+        )
     return np.asarray(free)
 
 

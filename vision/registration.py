@@ -132,7 +132,9 @@ def _first_views(detector: _Detector, guide: Guide, nominal: Intrinsics) -> list
     if not pairs:
         message = "no two of the rings found belong to one guide: consistent pairs"
         return Refusal(RefusalCode.RING_MISSING, message, 0, 1)
-    found = [first_view(rings, support, guide, nominal, detector.absorption, detector.plate.map) for rings, support in pairs]
+    found = [
+        first_view(rings, support, guide, nominal, detector.absorption, detector.plate.map) for rings, support in pairs
+    ]
     views = [view for view in found if view is not None]
     cut_off = [share for share in (_share_inside(view, guide, detector) for view in views) if share < 1.0]
     if len(cut_off) == len(views):

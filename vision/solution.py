@@ -161,7 +161,10 @@ def _single_points(
             normals.append(direction)
             sd.append(bead_sd_px(view, guide))
     shape = (len(sd), 3), (len(sd), 2), (len(sd), 2), (len(sd),)
-    arrays = (np.array(values, dtype=np.float64).reshape(s) for values, s in zip((places, measured, normals, sd), shape, strict=True))
+    arrays = (
+        np.array(values, dtype=np.float64).reshape(s)
+        for values, s in zip((places, measured, normals, sd), shape, strict=True)
+    )
     return tuple(arrays)  # type: ignore[return-value]  # four arrays, by construction
 
 
