@@ -7,9 +7,9 @@ import hashlib
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_settings import BaseSettings, PydanticBaseSettingsSource, SettingsConfigDict, TomlConfigSettingsSource
 
 from service.errors import ErrorCode, ServiceError
@@ -18,6 +18,10 @@ from service.errors import ErrorCode, ServiceError
 def _data_folder() -> Path:
     base = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
     return Path(base) / "coaxial"
+
+
+def _embedded_database(settings: dict[str, Any]) -> str:
+    return f"sqlite:///{settings['data_folder'] / 'coaxial.sqlite'}"
 
 
 class _Section(BaseModel):
@@ -83,7 +87,7 @@ class Settings(BaseSettings):
 
     room: str = Field(default="room-1", min_length=1, max_length=64)
     data_folder: Path = Field(default_factory=_data_folder)
-    database_url: str = ""  # empty: SQLite in the data folder
+    database_url: str = Field(default_factory=_embedded_database)
     arm_address: str | None = None  # None: a service without an arm
     min_free_bytes: int = Field(default=500_000_000, ge=0)
     http: HttpSettings = HttpSettings()
@@ -91,12 +95,6 @@ class Settings(BaseSettings):
     session: SessionSettings = SessionSettings()
     vision: VisionSettings = VisionSettings()
     limits: ProcedureLimits = ProcedureLimits()
-
-    @model_validator(mode="after")
-    def _default_database(self) -> Self:
-        if not self.database_url:
-            object.__setattr__(self, "database_url", f"sqlite:///{self.data_folder / 'coaxial.sqlite'}")
-        return self
 
     @classmethod
     def settings_customise_sources(

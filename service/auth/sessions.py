@@ -9,6 +9,7 @@ from typing import Any
 from uuid import uuid4
 
 import sqlalchemy as sa
+import structlog
 from sqlalchemy.engine import Connection
 
 from service.auth.permissions import Role
@@ -17,7 +18,10 @@ from service.auth.users import User
 from service.database import tables
 from service.database.clock import now_utc
 from service.database.engines import Database
+from service.errors import ServiceError
 from service.settings import SessionSettings
+
+_log = structlog.get_logger(__name__)
 
 # A session's last use is written at most this often: reading the status must not cost a disk write each time.
 _SEEN_STEP_S = 10.0
@@ -61,8 +65,14 @@ class SessionStore:
             return None
         session = self._session(row)
         if session.status is SessionStatus.ACTIVE and self._now_s() - row.last_seen_at_s > _SEEN_STEP_S:
-            self._set(session.id, last_seen_at_s=self._now_s())
+            self._note_use(session)
         return session
+
+    def _note_use(self, session: Session) -> None:
+        try:
+            self._set(session.id, last_seen_at_s=self._now_s())
+        except ServiceError as error:  # a full disk or a busy writer must not sign anybody out
+            _log.warning("session_use_not_noted", code=error.code)
 
     def remembered(self, token: str) -> Session | None:
         """The session of a token from memory alone, its status unknown to it: enough for a stop."""

@@ -10,6 +10,7 @@ from service.auth.proofs import Proofs
 from service.auth.session import SessionStatus
 from service.auth.sessions import SessionStore
 from service.database import tables
+from service.database.engines import Database
 from service.errors import ErrorCode, ServiceError
 from service.settings import SessionSettings
 
@@ -145,6 +146,17 @@ def test_looking_at_a_locked_session_does_not_keep_it_from_being_locked(sessions
     for _ in range(3):
         clock.now_s += 101
         assert sessions.find(token).status is SessionStatus.LOCKED
+
+
+def test_a_full_disk_signs_nobody_out(database, sessions, anna, clock, monkeypatch):
+    token, session = sessions.create(anna)
+    clock.now_s += 50
+
+    def full(_database: Database) -> None:
+        raise ServiceError(ErrorCode.DISK_FULL, "the disk is full")
+
+    monkeypatch.setattr(Database, "write", full)
+    assert sessions.find(token) == session
 
 
 def test_locked_and_expired_sessions_are_remembered_for_the_stop_and_revoked_ones_are_not(sessions, anna, clock):
