@@ -98,4 +98,4 @@ class Arm(Protocol):
         """Whether only a new process can take control again."""
 
     def close(self) -> None:
-        """Close every connection."""
+        """Stop, and leave the controller; nothing can be asked afterwards."""

@@ -16,11 +16,6 @@ class DashboardLink:
         self._socket: socket.socket | None = None
         self._lock = Lock()
 
-    def ensure_open(self) -> bool:
-        """Open the connection unless it is open; True if it is open afterwards."""
-        with self._lock:
-            return self._is_open() or self._open()
-
     def send_stop(self) -> bool:
         """Write `stop` without awaiting the answer; a connection that was closed from afar is opened anew first."""
         with self._lock:

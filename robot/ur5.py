@@ -138,10 +138,8 @@ class UR5:
         return self._closing is not None and self._closing.is_alive() and time.monotonic() > self._closed_by_s
 
     def close(self) -> None:
-        """Stop, and close every connection."""
+        """Stop, and leave; the library's own connections end with the process."""
         self.send_stop()
-        self.give_up_control()
-        self._drop_receive()
         self._dashboard.close()
 
     def _owned(self) -> RTDEControlInterface:

@@ -9,6 +9,7 @@ from robot.guard.preflight import refuse_arm
 from robot.refusal import Refusal, RefusalCode
 
 _LIVE_WITHIN_S = 0.6  # taking control blocks, and heartbeats with it; a hold that is there shows within this
+_YOUNG_S = 0.1  # a motion that starts on an older echo would end at the next hiccup
 _FLUSH_S = 1.0
 
 
@@ -38,9 +39,11 @@ class Admission:
         return self._refuse_now(course.move, now_s)
 
     def may_wait(self, course: Course, now_s: float) -> bool:
-        """Whether the only thing amiss is that the hold was not heard while control was being taken."""
+        """Whether the hold goes on but was not heard while control was being taken, and may yet be heard in time."""
         same = self._heartbeats.permit_id == course.move.permit_id and self._heartbeats.held
-        return same and now_s - course.began_at_s < _LIVE_WITHIN_S
+        age_s = self._heartbeats.age_s(now_s)
+        old = age_s is None or age_s > _YOUNG_S
+        return same and old and now_s - course.began_at_s < _LIVE_WITHIN_S
 
     def _refuse_now(self, move: BeginMove, now_s: float) -> Refusal | None:
         newest = self._observer.newest

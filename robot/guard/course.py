@@ -103,9 +103,9 @@ class Course:
 
     def _send_stop(self) -> None:
         self._last_stop_s = self._clock()
+        self._arm.stop_script()  # first, since it does not wait; a dashboard that has to be found again may
         if self._arm.send_stop() and self._stop_sent_at_s is None:
             self._stop_sent_at_s = self._last_stop_s
-        self._arm.stop_script()
 
     def _ended(self, newest: ArmState | None, at_rest: bool, program_stopped: bool) -> MotionEnded:
         off = None if newest is None else distance_between(newest.base_from_tcp, self.move.base_from_goal)

@@ -153,17 +153,17 @@ class Guard:
                 self._settle(course, reading, now_s)
 
     def _launch(self, course: Course, now_s: float) -> None:
-        newest = self._observer.newest
+        if self._stops != self._stops_seen:
+            return  # a stop was sent and is on its way to `handle`
         refusal = self._admission.refuse_launch(course, now_s)
-        silent = refusal is not None and refusal.code is RefusalCode.NO_LIVE_HEARTBEAT
+        silent = refusal is None or refusal.code is RefusalCode.NO_LIVE_HEARTBEAT
         if silent and self._admission.may_wait(course, now_s):
             return
-        if self._stops != self._stops_seen or newest is None:
-            return  # a stop was sent and is on its way to `handle`
-        answer = refusal or course.launch(newest)
+        newest = self._observer.newest
+        answer = course.launch(newest) if refusal is None and newest is not None else refusal
         if isinstance(answer, Refusal):
             self._refuse(course, answer)
-        else:
+        elif answer is not None:
             self._tell(answer)
 
     def _refuse(self, course: Course, refusal: Refusal) -> None:

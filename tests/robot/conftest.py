@@ -162,7 +162,7 @@ class Bench:
         deadline_s = time.monotonic() + within_s
         while not condition():
             assert time.monotonic() < deadline_s, [getattr(event, "cause", event) for event in self.events]
-            time.sleep(0.002)
+            time.sleep(0.01)
 
     def first_stop_after(self, at_s: float) -> float:
         """Seconds until the first stop reached the controller, by dashboard or register."""

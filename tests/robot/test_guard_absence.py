@@ -55,7 +55,7 @@ def test_stop_without_a_controller_returns_and_raises_nothing() -> None:
 
 def test_kept_dashboard_connection_is_opened_anew_after_it_was_closed_from_afar(controller: ControllerProcess) -> None:
     link = DashboardLink(controller.address)
-    assert link.ensure_open()
+    assert link.send_stop()
     controller.inject(Fault.DASHBOARD_CLOSED)
     assert not link.send_stop()
     controller.clear()

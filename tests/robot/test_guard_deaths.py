@@ -44,7 +44,7 @@ def until(condition: Callable[[], bool], within_s: float) -> None:
     deadline_s = time.monotonic() + within_s
     while not condition():
         assert time.monotonic() < deadline_s
-        time.sleep(0.002)
+        time.sleep(0.01)
 
 
 def is_alive(process_id: int) -> bool:
@@ -81,7 +81,7 @@ def test_killed_service_stops_the_arm_at_once_and_the_guard_goes(
     at_s = time.monotonic()
     parent.process.kill()
     stays_at_rest(controller)
-    assert first_stop_after(controller, at_s) < 0.03
+    assert first_stop_after(controller, at_s) < 0.05
     until(lambda: not is_alive(parent.guard_id), 3.0)
     ended = read_lines(tmp_path / EVENTS_FILE)[-1]
     assert (ended["type"], ended["cause"], ended["at_rest"]) == ("motion_ended", "parent_lost", True)
@@ -93,7 +93,7 @@ def test_paused_service_is_silence_and_its_return_moves_nothing(
     at_s = time.monotonic()
     parent.process.send_signal(signal.SIGSTOP)
     until(lambda: not controller.state().moving, 2.0)
-    assert first_stop_after(controller, at_s) < 0.25
+    assert first_stop_after(controller, at_s) < 0.3
     time.sleep(1.5)  # the guard goes on to write into a pipe that nobody reads
     parent.process.send_signal(signal.SIGCONT)
     stays_at_rest(controller)
