@@ -19,11 +19,11 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from vision.registration import register
 
 from vision.devices import CArm, Guide, read_carm, read_guide
 from vision.refusal import Refusal, RefusalCode
 from vision.registered import DEFAULT_DEPTH_MM, Method, PixelSpace, PredictedError, Registration
+from vision.registration import register
 from vision.targeting import target
 from vision.xray import decode
 

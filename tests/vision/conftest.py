@@ -6,6 +6,7 @@ from typing import cast
 
 import numpy as np
 import pytest
+from hypothesis import settings
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
@@ -16,6 +17,10 @@ from vision.paper import solve
 from vision.projection import Intrinsics, View, fiducials_in_guide, project, ring_conic
 from vision.refusal import Refusal
 from vision.registered import ImageIdentity, Method, PredictedError, Registration
+
+# Single examples take milliseconds; a loaded machine is no reason to fail.
+settings.register_profile("without-deadline", deadline=None)
+settings.load_profile("without-deadline")
 
 GUIDE_TOML = b"""
 name = "reference-guide"
