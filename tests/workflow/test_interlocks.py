@@ -150,7 +150,12 @@ PROOFS: dict[str, Proof] = {
             given(start_joints_rad=(57.3,) * 6),
             given(start_joints_rad=(NAN,) * 6),
         ],
-        [given(length_mm=850.0), given(rotation_rad=math.pi), given(speed_mm_s=20.0)],
+        [
+            given(length_mm=850.0),
+            given(rotation_rad=math.pi),
+            given(speed_mm_s=20.0),
+            given(speed_rad_s=math.radians(5.0) * (1.0 + 1e-15)),
+        ],
     ),
     "plan_parents": Proof(*PLAN, [given(made_from=("old",)), given(made_from=())], []),
     "plan_current": Proof(*APPROVE, [given(plan_id="old")], []),
@@ -249,7 +254,9 @@ PROOFS: dict[str, Proof] = {
         *JUDGE, [given(position_error_mm=POSITION_LEFT * MORE)], [given(position_error_mm=POSITION_LEFT)]
     ),
     "correction_image": Proof(State.OFF_TARGET, Trigger.CORRECTION_REQUESTED, [given(image_id="old")], []),
-    "verification_newer": Proof(*INSERT, [nested("verification", motion_id="old")], [surgery(motion=None)]),
+    "verification_newer": Proof(
+        *INSERT, [nested("verification", motion_id="old"), nested("verification", passed=False)], [surgery(motion=None)]
+    ),
     "verification_age": Proof(*INSERT, [Spoil(later_s=900.1), Spoil(later_s=-1.0)], [Spoil(later_s=900.0)]),
     "script_stopped": Proof(*INSERT, *said("program_running", False, FEEDBACK)),
     "motion_locked": Proof(*INSERT, *said("motion_locked", True, HEARTBEAT)),

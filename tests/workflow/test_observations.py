@@ -4,6 +4,7 @@ import pytest
 
 from workflow import facts as f
 from workflow.decisions import Effect, ImageUse, Outcome
+from workflow.plans import PlanKind
 from workflow.states import GuideState, InsertionStatus, State
 from workflow.triggers import Trigger
 
@@ -94,6 +95,20 @@ def test_results_that_finish_in_a_hold_attach_if_their_parents_are_valid(walk):
     walk.do(Trigger.REGISTRATION_COMPLETED)
     assert walk.case.state is State.SAFE_HOLD
     assert walk.do(Trigger.ACKNOWLEDGED).after.state is State.REGISTERED
+
+
+def test_a_second_result_of_the_same_image_is_late(walk):
+    walk.to(State.REGISTERED).do(Trigger.HOLD_REQUESTED)
+    before = walk.case
+    assert walk.do(Trigger.REGISTRATION_COMPLETED).outcome is Outcome.LATE
+    assert walk.case == before
+
+
+def test_a_retreat_that_arrives_leaves_nothing_to_verify(walk):
+    walk.to(State.REGISTERED).do(Trigger.PLAN_REQUESTED, kind=PlanKind.RETREAT)
+    for trigger in (Trigger.MOVE_APPROVED, Trigger.MOVE_STARTED, Trigger.ARRIVED):
+        walk.do(trigger)
+    assert (walk.case.state, walk.case.motion) == (State.REGISTERED, None)
 
 
 def test_a_verification_that_finishes_in_a_hold_attaches(walk):

@@ -106,6 +106,20 @@ def test_along_a_wire_the_arm_only_retreats_on_the_axis(walk, axial, moves):
     assert walk.do(Trigger.MOVE_STARTED).after.state is State.MOVING
 
 
+def test_along_a_wire_no_other_kind_moves_the_arm_axial_or_not(walk):
+    walk.to(State.TARGET_CHOSEN).do(Trigger.GUIDE_STATE_STATED, guide=GuideState.WIRE)
+    walk.do(Trigger.PLAN_REQUESTED, axial=True)
+    assert walk.refused(Trigger.MOVE_APPROVED).code is RefusalCode.INSTRUMENT_IN_GUIDE
+
+
+def test_an_approach_needs_no_image_to_be_true_to(walk):
+    unknown = Reading(None, float("inf"))
+    walk.to(State.CARM_POSITIONED).spoil(unaccounted_mm=unknown, unaccounted_rad=unknown)
+    walk.do(Trigger.PLAN_REQUESTED, kind=PlanKind.APPROACH)
+    walk.do(Trigger.MOVE_APPROVED)
+    assert walk.do(Trigger.MOVE_STARTED).after.state is State.MOVING
+
+
 def test_a_permit_binds_what_its_plan_was_made_from(approved):
     case = approved.case
     assert case.permit.made_from == (case.plan.id, case.view.id, case.image.id, case.registration.id, case.target.id)
