@@ -3,12 +3,10 @@
 The shapes are those of the command line: a refusal is `{"status": "refused", "reason": {...}}`.
 """
 
-import hashlib
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from vision.registration import register as register_image
 
 from service.vision_echo import draw_point
 from vision import carm_angles as angles
@@ -16,6 +14,7 @@ from vision.devices import read_carm, read_guide
 from vision.evaluation import evaluate as evaluate_image
 from vision.refusal import Refusal
 from vision.registered import PixelSpace
+from vision.registration import register as register_image
 from vision.registration_json import from_json, to_json
 from vision.result_json import carm_angles_to_json, evaluation_to_json, refusal_to_json, targeting_to_json
 from vision.targeting import target as aim
@@ -54,21 +53,6 @@ def carm_angles(entry_mm: tuple[float, ...], target_mm: tuple[float, ...], posit
     return refusal_to_json(result) if isinstance(result, Refusal) else carm_angles_to_json(result)
 
 
-def describe(image: bytes) -> Json:
-    """What decoding says of an image."""
-    decoded = decode(image)
-    if isinstance(decoded, Refusal):
-        return refusal_to_json(decoded)
-    pixels = np.ascontiguousarray(decoded.pixels)
-    return {
-        "status": "decoded",
-        "rows": decoded.rows,
-        "columns": decoded.columns,
-        "bits": decoded.bits,
-        "pixel_sha256": hashlib.sha256(pixels.tobytes()).hexdigest(),
-    }
-
-
 def echo(image: bytes, registration: Json, pixel: tuple[float, float], space: str) -> Json:
     """A picked point in both grids, drawn back into its image (H08)."""
     decoded = decode(image)
@@ -82,6 +66,4 @@ def echo(image: bytes, registration: Json, pixel: tuple[float, float], space: st
     return {"status": "drawn"} | points | draw_point(decoded.pixels, raw_px)
 
 
-JOBS: dict[str, Callable[..., Json]] = {
-    job.__name__: job for job in (register, target, evaluate, carm_angles, describe, echo)
-}
+JOBS: dict[str, Callable[..., Json]] = {job.__name__: job for job in (register, target, evaluate, carm_angles, echo)}

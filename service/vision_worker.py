@@ -69,10 +69,6 @@ class VisionWorker:
         """`coaxial plan-carm`."""
         return await self.run("carm_angles", entry_mm, target_mm, position)
 
-    async def describe(self, image: bytes) -> Json:
-        """What decoding says of an image: rows, columns, bits, hash of the decoded pixels; or refused."""
-        return await self.run("describe", image)
-
     async def run(self, job: str, *arguments: Any) -> Json:
         """Any job by name; ServiceError where the work failed."""
         return await asyncio.get_running_loop().run_in_executor(self._thread, self._exchange, job, arguments)
