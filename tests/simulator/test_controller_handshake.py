@@ -92,7 +92,7 @@ def test_upper_range_of_registers_is_followed(controller, start_client, wait_unt
     assert upper.call("upper_control", "getTCPOffset") == pytest.approx([0.0] * 6)
     assert upper.call("upper_control", "moveL", GOAL, 0.1, 0.5, True) is True
     wait_until(lambda: upper.receive("getActualTCPPose")[2] == pytest.approx(GOAL[2], abs=1e-7))
-    assert upper.call("upper_control", "getAsyncOperationProgress") < 0
+    wait_until(lambda: upper.call("upper_control", "getAsyncOperationProgress") < 0)
 
 
 def test_vector_inputs_are_recorded_and_move_nothing(controller):
