@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from service.errors import ErrorCode, ServiceError
 from service.settings import VisionSettings
 from service.vision_worker import VisionWorker
