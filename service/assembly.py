@@ -28,7 +28,6 @@ async def assemble(settings: Settings) -> AsyncIterator[Parts]:
                 yield Parts(
                     settings=settings,
                     database=database,
-                    users=users,
                     sessions=SessionStore(database, settings.session),
                     proofs=Proofs(database, users, settings.session),
                     feed=EventFeed(database),

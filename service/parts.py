@@ -10,7 +10,6 @@ from starlette.requests import HTTPConnection
 if TYPE_CHECKING:  # the parts know nothing of one another, and this module nothing of their insides
     from service.auth.proofs import Proofs
     from service.auth.sessions import SessionStore
-    from service.auth.users import UserStore
     from service.cases.feed import EventFeed
     from service.database.engines import Database
     from service.images.arrivals import ImageArrivals
@@ -24,7 +23,6 @@ class Parts:
 
     settings: Settings
     database: Database
-    users: UserStore
     sessions: SessionStore
     proofs: Proofs
     feed: EventFeed

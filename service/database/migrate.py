@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import alembic.command
-import sqlalchemy as sa
 from alembic.config import Config
 from alembic.util import CommandError
 
@@ -24,11 +23,3 @@ def migrate(database: Database, revision: str = "head") -> None:
         raise ServiceError(
             ErrorCode.SCHEMA_UNKNOWN, "the database was written by another version of this program"
         ) from error
-
-
-def schema_revision(database: Database) -> str | None:
-    """The revision that the database is at; None for one without a schema."""
-    with database.read() as connection:
-        if not sa.inspect(connection).has_table("alembic_version"):
-            return None
-        return connection.execute(sa.text("SELECT version_num FROM alembic_version")).scalar()

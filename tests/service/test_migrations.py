@@ -8,7 +8,7 @@ from sqlalchemy.dialects import postgresql
 from sqlalchemy.schema import CreateTable
 
 from service.database.engines import open_database
-from service.database.migrate import migrate, schema_revision
+from service.database.migrate import migrate
 from service.database.tables import metadata
 from service.errors import ErrorCode, ServiceError
 
@@ -20,15 +20,20 @@ def empty(tmp_path):
     database.close()
 
 
+def _revision(database) -> str | None:
+    with database.read() as connection:
+        return MigrationContext.configure(connection).get_current_revision()
+
+
 def test_the_migrated_schema_is_the_tables(database):
     with database.read() as connection:
         assert compare_metadata(MigrationContext.configure(connection), metadata) == []
 
 
 def test_migrating_twice_changes_nothing(database):
-    before = schema_revision(database)
+    before = _revision(database)
     migrate(database)
-    assert schema_revision(database) == before is not None
+    assert _revision(database) == before is not None
 
 
 def test_an_upgrade_that_fails_at_its_end_leaves_an_empty_database(empty, monkeypatch):
@@ -42,7 +47,7 @@ def test_an_upgrade_that_fails_at_its_end_leaves_an_empty_database(empty, monkey
         assert sa.inspect(connection).get_table_names() == []
     monkeypatch.undo()
     migrate(empty)
-    assert schema_revision(empty) is not None
+    assert _revision(empty) is not None
 
 
 def test_a_database_of_a_newer_program_is_refused(database):
