@@ -10,7 +10,7 @@ from vision.line_ends import LineEnd
 from vision.projection import View
 from vision.refusal import Refusal, RefusalCode
 from vision.registered import PredictedError
-from vision.wire_model import Wire
+from vision.wire_model import Wire, WireSamples
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ GREATEST_LINE_END_PX = 1.5
 GREATEST_TILT_RAD = math.radians(45.0)
 LEAST_RING_COVERAGE = 0.5  # of the directions about a ring's centre that hold accepted points
 LEAST_LINE_COVERAGE = 0.4
-GREATEST_GAP_RAD = math.radians(100.0)  # in a ring; an ellipse over less than an arc of 260 deg is loosely held
+GREATEST_GAP_RAD = math.radians(100.0)  # of a ring, though nothing known covers it: less than 260 deg hold it loosely
 GREATEST_BEAD_SD = 4.0
 GREATEST_SCALE_OFF = 0.06  # relative: the plate's pixel size against the C-arm file's; distances of plate and SID
 GREATEST_PREDICTED_RAD = math.radians(0.25)  # half of what counts as a wrong registration, 0.5 deg and 1.0 mm
@@ -65,34 +65,39 @@ def check_tilt(view: View) -> Refusal | None:
     return None
 
 
-def check_coverage(fit: ContourFit, observations: Observations) -> Refusal | None:
-    """Accepted points all around both rings and along the line."""
-    accepted = fit.weight > 0.0
+def check_coverage(fit: ContourFit, observations: Observations, places: WireSamples) -> Refusal | None:
+    """Accepted points all around both rings; what another wire or a ball of the model covers is nobody's fault."""
     for wire, name in ((Wire.SMALL_RING, "small ring"), (Wire.BIG_RING, "big ring")):
-        on = accepted & (observations.wire == wire)
-        sectors = np.zeros(_SECTORS, dtype=bool)
-        sectors[(observations.along[on] % (2.0 * math.pi) / (2.0 * math.pi) * _SECTORS).astype(int) % _SECTORS] = True
-        share, gap_rad = float(sectors.mean()), _longest_gap(sectors)
+        seen = _sectors(observations.along[(observations.wire == wire) & (fit.weight > 0.0)])
+        share = float(seen.mean())
         if share < LEAST_RING_COVERAGE:
             message = f"share of the {name} that is seen"
             return Refusal(RefusalCode.RING_MISSING, message, share, LEAST_RING_COVERAGE)
+        gap_rad = _longest_gap(seen, _sectors(places.along[places.wire == wire]) & ~seen)
         if gap_rad > GREATEST_GAP_RAD:
             message = f"longest unseen arc of the {name} (deg)"
             return Refusal(RefusalCode.RING_MISSING, message, math.degrees(gap_rad), math.degrees(GREATEST_GAP_RAD))
     return None
 
 
-def _longest_gap(sectors: NDArray[np.bool_]) -> float:
-    if not sectors.any():
-        return 2.0 * math.pi
-    turned = np.roll(sectors, -int(np.argmax(sectors)))
-    runs = np.diff(np.nonzero(np.append(turned, True))[0]) - 1
-    return float(runs.max()) * 2.0 * math.pi / len(sectors)
+def _sectors(angles_rad: Array) -> NDArray[np.bool_]:
+    """Which sectors of the full circle (72,) hold an angle."""
+    occupied = np.zeros(_SECTORS, dtype=bool)
+    occupied[np.floor(angles_rad / (2.0 * math.pi) * _SECTORS).astype(int) % _SECTORS] = True
+    return occupied
 
 
-def check_line(fit: ContourFit, observations: Observations, sampled: int) -> Refusal | None:
-    """Accepted points along the line, of the number of places looked at."""
-    share = float((fit.weight[observations.wire == Wire.LINE] > 0.0).sum()) / max(sampled, 1)
+def _longest_gap(seen: NDArray[np.bool_], missing: NDArray[np.bool_]) -> float:
+    """Greatest angle of missing sectors between two seen ones, rad; sectors that are neither count nothing."""
+    first = int(np.argmax(seen))
+    runs = np.split(np.roll(missing, -first), np.nonzero(np.roll(seen, -first))[0])
+    return max(int(run.sum()) for run in runs) * 2.0 * math.pi / _SECTORS
+
+
+def check_line(fit: ContourFit, observations: Observations, places: WireSamples) -> Refusal | None:
+    """Accepted points along the line, of the places where it could be measured."""
+    possible = int((places.wire == Wire.LINE).sum())
+    share = float((fit.weight[observations.wire == Wire.LINE] > 0.0).sum()) / max(possible, 1)
     if share < LEAST_LINE_COVERAGE:
         message = "share of the indicator line that is seen"
         return Refusal(RefusalCode.LINE_MISSING, message, share, LEAST_LINE_COVERAGE)

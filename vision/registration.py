@@ -15,12 +15,13 @@ from vision.detection import AxisRange, ring_candidates
 from vision.devices import CArm, Guide
 from vision.distortion import DistortionMap, PlateFit, exact, fit
 from vision.first_pose import FirstView, consistent_pairs, first_view
+from vision.measuring import Scene
 from vision.plate import find_lattice
 from vision.profiles import ProfileReader
 from vision.projection import Intrinsics, View, nominal_intrinsics, project
 from vision.refusal import Refusal, RefusalCode
 from vision.registered import ImageIdentity, Method, Registration
-from vision.solution import Scene, Solution, solve
+from vision.solution import Solution, solve
 from vision.uncertainty import predicted_error
 from vision.wire_model import Wire, sample_wires
 from vision.wires import ridge_points
