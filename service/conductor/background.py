@@ -17,6 +17,7 @@ from service.motion.bridge import ArmBridge
 from service.motion.endings import Endings
 from service.motion.insertion_watch import watch_insertions
 from service.motion.observer import MotionObserver
+from service.motion.status_bell import StatusBell
 from service.parts import Parts
 from workflow.decisions import Effect
 
@@ -27,13 +28,13 @@ _log = structlog.get_logger(__name__)
 async def conducting(app: FastAPI, parts: Parts) -> AsyncIterator[None]:
     """The conductor, up; the restart is recorded before the arm or an image can say anything."""
     bridge = ArmBridge(_guard_config(parts))
-    conductor, endings = Conductor(parts, bridge), Endings()
+    conductor, endings, bell = Conductor(parts, bridge), Endings(), StatusBell()
     images, observer = ImageFlow(conductor), MotionObserver(conductor, endings)
     conductor.on_effect[Effect.STOP_SENT] = lambda taken: _stop(bridge, taken)
-    app.state.conductor, app.state.endings = conductor, endings
+    app.state.conductor, app.state.endings, app.state.bell = conductor, endings, bell
     await asyncio.to_thread(recover, conductor)
     parts.arrivals.listen(images.stored)
-    bridge.start(observer.take)
+    bridge.start(observer.take, bell.ring)
     running = (observer.run(), images.take_in_all(), images.work_through(), watch_insertions(conductor))
     tasks = [asyncio.create_task(_supervised(work)) for work in running]
     try:

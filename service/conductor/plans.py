@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends
 
 from robot.arm import ArmState
-from robot.path import Path
+from robot.path import Path, PathLimits
 from service.auth.permissions import Permission
 from service.cases.records import ArtefactKind, NewArtefact
 from service.conductor.answers import CommandAnswer
@@ -68,14 +68,14 @@ def _still(standing: Standing, kind: PlanKind) -> PlanRequested:
 
 
 def _planned(still: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> Prepared:
-    way_s = path.length_mm / path.speed_mm_s
+    way_mm = max(path.length_mm, path.angle_rad * PathLimits().turn_lever_mm)  # what the controller counts
     facts = replace(
         still,
         start_joints_rad=tuple(map(float, path.start_joints_rad)),
         length_mm=path.length_mm,
         rotation_rad=path.angle_rad,
         speed_mm_s=path.speed_mm_s,
-        speed_rad_s=path.angle_rad / max(way_s, path.duration_s / 2.0, 1e-6),
+        speed_rad_s=path.angle_rad * path.speed_mm_s / way_mm if way_mm > 0.0 else 0.0,
     )
     content = _content(facts, goal, path, arm)
     artefact = NewArtefact(ArtefactKind.PLAN, facts.plan_id, facts.made_from, content, {})

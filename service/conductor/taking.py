@@ -123,7 +123,7 @@ def _attempt(standing: Standing, trigger: Trigger, answer: Decision | Refusal, u
 
 def _event(standing: Standing, decision: Decision, prepared: Prepared, user_id: str | None) -> NewEvent:
     data = {
-        "taken_as": decision.taken_as,
+        "told_as": decision.trigger,
         "outcome": decision.outcome,
         "row": decision.row,
         "voided": list(decision.voided),
@@ -132,7 +132,7 @@ def _event(standing: Standing, decision: Decision, prepared: Prepared, user_id: 
         **prepared.data,
     }
     return NewEvent(
-        trigger=decision.trigger,
+        trigger=decision.taken_as,
         user_id=user_id,
         state=decision.after.state,
         case_state=to_json(decision.after),

@@ -16,7 +16,8 @@ class ArmBridge:
 
     def __init__(self, config: GuardConfig | None) -> None:
         self.watch = ArmWatch()
-        self._on_event: OnEvent | None = None
+        self._on_event: OnEvent = _ignore
+        self._on_status: Callable[[], None] = _ignore
         self._client = None if config is None else GuardClient(config, self._take)
         self._stops_to_record = 0
         self._recorded = threading.Condition()
@@ -31,9 +32,10 @@ class ArmBridge:
         """Age of the newest status; None without a guard or before its first."""
         return None if self._client is None else self._client.status_age_s
 
-    def start(self, on_event: OnEvent) -> None:
-        """Spawn the guard, if there is an arm; what it says, but its status, goes to `on_event` in another thread."""
+    def start(self, on_event: OnEvent, on_status: Callable[[], None]) -> None:
+        """Spawn the guard, if there is an arm; in its thread, a status calls `on_status`, all else `on_event`."""
         self._on_event = on_event
+        self._on_status = on_status
         if self._client is not None:
             self._client.start()
 
@@ -90,5 +92,11 @@ class ArmBridge:
 
     def _take(self, event: Event) -> None:
         self.watch.take(event)
-        if self._on_event is not None and not isinstance(event, Status):
+        if isinstance(event, Status):
+            self._on_status()
+        else:
             self._on_event(event)
+
+
+def _ignore(*_: Event) -> None:
+    """Nobody listens yet."""

@@ -20,6 +20,7 @@ from service.conductor.conductor import Conductor, TheConductor
 from service.conductor.starting import goal_of_permit, start_move
 from service.errors import ServiceError
 from service.motion.endings import Ending, Endings
+from service.motion.status_bell import StatusBell
 from service.problem_json import problem_of
 
 router = APIRouter(tags=["motions of a case"])
@@ -108,13 +109,12 @@ async def _forward(held: _Hold) -> None:
 
 async def _report(held: _Hold) -> None:
     """Send each status down: the challenge to echo, and how far it is to the goal."""
-    seen: Status | None = None
+    bell: StatusBell = held.socket.app.state.bell
     while True:
+        await bell.wait()
         status = held.conductor.bridge.status
-        if status is not None and status is not seen:
-            seen = status
+        if status is not None:
             await held.socket.send_json(_progress(status, held.base_from_goal))
-        await asyncio.sleep(_LOOK_EVERY_S)
 
 
 async def _start(held: _Hold) -> Ending | None:
