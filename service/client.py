@@ -12,7 +12,7 @@ with case.hold(case.approve(plan, pin="1234")) as hold:
 
 import json
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Self
 from uuid import uuid4
 
@@ -103,9 +103,9 @@ class Coaxial:
                 if line.startswith("data:"):
                     yield json.loads(line[5:])
 
-    def open_hold(self, path: str) -> Hold:
+    def open_hold(self, path: str, on_ended: Callable[[HoldEnded], None]) -> Hold:
         """The held button below /api."""
-        return Hold(f"{self._url.replace('http', 'ws', 1)}/api{path}", self._token)
+        return Hold(f"{self._url.replace('http', 'ws', 1)}/api{path}", self._token, on_ended)
 
     @staticmethod
     def _answer(response: httpx.Response) -> httpx.Response:
@@ -161,7 +161,10 @@ class Case:
     def hold(self, permit_id: str) -> Hold:
         """The held button of a permit."""
         token = "" if self.control_token is None else f"&control_token={self.control_token}"
-        return self.room.open_hold(f"/cases/{self.id}/hold?permit={permit_id}{token}")
+        return self.room.open_hold(f"/cases/{self.id}/hold?permit={permit_id}{token}", self._moved)
+
+    def _moved(self, ended: HoldEnded) -> None:
+        self.version = max(self.version, ended.version)
 
     def stop(self) -> Json:
         """Stop the arm."""

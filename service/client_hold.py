@@ -3,6 +3,7 @@
 import json
 import threading
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from types import TracebackType
@@ -35,8 +36,9 @@ class Hold:
     program that holds is stuck, so is the thread's process, and the arm stops.
     """
 
-    def __init__(self, url: str, token: str) -> None:
+    def __init__(self, url: str, token: str, on_ended: Callable[[HoldEnded], None]) -> None:
         self._url = url
+        self._on_ended = on_ended
         self._token = token
         self._open = ExitStack()
         self._threads: list[threading.Thread] = []
@@ -125,4 +127,5 @@ class Hold:
             angle_deg=message["angle_deg"],
             problem=message["problem"],
         )
+        self._on_ended(self._ended)
         self._over.set()

@@ -10,13 +10,18 @@ from service.auth.permissions import Permission
 from service.cases import store
 from service.conductor.answers import CArmAnglesAnswer
 from service.conductor.image_work import accepted
+from service.conductor.route_errors import ANGLES
 from service.errors import ErrorCode, ServiceError
 from service.parts import Parts, parts_of
 
 router = APIRouter(tags=["images of a case"])
 
 
-@router.get("/cases/{case_id}/planned-targets/{name}/carm-angles", dependencies=[Depends(require(Permission.READ))])
+@router.get(
+    "/cases/{case_id}/planned-targets/{name}/carm-angles",
+    openapi_extra=ANGLES,
+    dependencies=[Depends(require(Permission.READ))],
+)
 async def read_carm_angles(case_id: str, name: str, parts: Annotated[Parts, Depends(parts_of)]) -> CArmAnglesAnswer:
     """DICOM positioner angles, what the dial shows, and the same in words."""
     plan = await asyncio.to_thread(_plan, parts, case_id, name)

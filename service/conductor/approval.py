@@ -10,6 +10,7 @@ from service.conductor.answers import CommandAnswer
 from service.conductor.bodies import ApproveMove
 from service.conductor.caller import Caller, requesting
 from service.conductor.conductor import Conductor, TheConductor, new_id
+from service.conductor.route_errors import APPROVING
 from service.conductor.taking import Prepared, Standing
 from workflow.facts import Approval, MoveApproved
 from workflow.triggers import Trigger
@@ -17,7 +18,7 @@ from workflow.triggers import Trigger
 router = APIRouter(tags=["motions of a case"])
 
 
-@router.post("/cases/{case_id}/move-approved")
+@router.post("/cases/{case_id}/move-approved", openapi_extra=APPROVING)
 def move_approved(
     body: ApproveMove, caller: Annotated[Caller, Depends(requesting(Permission.APPROVE))], conductor: TheConductor
 ) -> CommandAnswer:

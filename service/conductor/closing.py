@@ -9,6 +9,7 @@ from service.conductor.answers import CommandAnswer
 from service.conductor.bodies import CloseCase, WithReason
 from service.conductor.caller import Caller, requesting, stating
 from service.conductor.conductor import TheConductor
+from service.conductor.route_errors import CLOSING, STATING
 from service.conductor.statements import state_only
 from service.conductor.taking import Prepared, Standing
 from service.conductor.target_list import target_states
@@ -18,7 +19,7 @@ from workflow.triggers import Trigger
 router = APIRouter(tags=["end of a case"])
 
 
-@router.post("/cases/{case_id}/case-closed")
+@router.post("/cases/{case_id}/case-closed", openapi_extra=CLOSING)
 def case_closed(
     body: CloseCase, caller: Annotated[Caller, Depends(requesting(Permission.CLOSE_CASE))], conductor: TheConductor
 ) -> CommandAnswer:
@@ -34,7 +35,7 @@ def case_closed(
     return conductor.perform(caller, Trigger.CASE_CLOSED, prepare)
 
 
-@router.post("/cases/{case_id}/case-aborted")
+@router.post("/cases/{case_id}/case-aborted", openapi_extra=STATING)
 def case_aborted(
     body: WithReason, caller: Annotated[Caller, Depends(stating(Permission.CLOSE_CASE))], conductor: TheConductor
 ) -> CommandAnswer:

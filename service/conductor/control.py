@@ -11,6 +11,7 @@ from service.conductor.answers import CommandAnswer
 from service.conductor.bodies import Acknowledge, WithReason
 from service.conductor.caller import Caller, requesting
 from service.conductor.conductor import LOCKED, Conductor, TheConductor
+from service.conductor.route_errors import REQUESTING
 from service.conductor.taking import Prepared, Standing
 from workflow.decisions import Decision
 from workflow.facts import Acknowledged, LeaseTaken, Reasoned
@@ -19,7 +20,7 @@ from workflow.triggers import Trigger
 router = APIRouter(tags=["control of a case"])
 
 
-@router.post("/cases/{case_id}/lease-taken")
+@router.post("/cases/{case_id}/lease-taken", openapi_extra=REQUESTING)
 def lease_taken(
     body: WithReason, caller: Annotated[Caller, Depends(requesting(Permission.TAKE_LEASE))], conductor: TheConductor
 ) -> CommandAnswer:
@@ -37,7 +38,7 @@ def lease_taken(
             conductor.bridge.stop_recorded()
 
 
-@router.post("/cases/{case_id}/hold-requested")
+@router.post("/cases/{case_id}/hold-requested", openapi_extra=REQUESTING)
 def hold_requested(
     body: WithReason, caller: Annotated[Caller, Depends(requesting(Permission.HOLD))], conductor: TheConductor
 ) -> CommandAnswer:
@@ -46,7 +47,7 @@ def hold_requested(
     return conductor.perform(caller, Trigger.HOLD_REQUESTED, lambda _: prepared)
 
 
-@router.post("/cases/{case_id}/acknowledged")
+@router.post("/cases/{case_id}/acknowledged", openapi_extra=REQUESTING)
 def acknowledged(
     body: Acknowledge, caller: Annotated[Caller, Depends(requesting(Permission.APPROVE))], conductor: TheConductor
 ) -> CommandAnswer:

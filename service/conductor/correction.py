@@ -15,6 +15,7 @@ from service.conductor.bodies import WithOptionalReason, WithReason
 from service.conductor.caller import Caller, requesting
 from service.conductor.conductor import Conductor, TheConductor, new_id
 from service.conductor.image_work import aim, quality_of, registration_json
+from service.conductor.route_errors import AIMING, REQUESTING
 from service.conductor.taking import Prepared, Standing
 from service.conductor.targets import target_artefact
 from workflow.case_json import from_json
@@ -36,7 +37,7 @@ class _Verified:
     target: Mapping[str, Any]
 
 
-@router.post("/cases/{case_id}/correction-requested")
+@router.post("/cases/{case_id}/correction-requested", openapi_extra=AIMING)
 async def correction_requested(body: WithOptionalReason, caller: Chooser, conductor: TheConductor) -> CommandAnswer:
     """The verification image becomes image and registration of a corrective move, without a new exposure.
 
@@ -57,7 +58,7 @@ async def correction_requested(body: WithOptionalReason, caller: Chooser, conduc
     return await asyncio.to_thread(_perform, conductor, caller, prepared)
 
 
-@router.post("/cases/{case_id}/verification-rejected")
+@router.post("/cases/{case_id}/verification-rejected", openapi_extra=REQUESTING)
 def verification_rejected(body: WithReason, caller: Chooser, conductor: TheConductor) -> CommandAnswer:
     """A person does not believe the verification."""
 

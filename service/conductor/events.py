@@ -11,13 +11,19 @@ from service.auth.dependencies import require
 from service.auth.permissions import Permission
 from service.cases import store
 from service.cases.records import StoredEvent
+from service.conductor.route_errors import READING
 from service.database.json_text import to_text
 from service.parts import Parts, parts_of
 
 router = APIRouter(tags=["status"])
 
 
-@router.get("/cases/{case_id}/events", dependencies=[Depends(require(Permission.READ))], response_model=None)
+@router.get(
+    "/cases/{case_id}/events",
+    openapi_extra=READING,
+    dependencies=[Depends(require(Permission.READ))],
+    response_model=None,
+)
 async def follow_events(
     case_id: str,
     parts: Annotated[Parts, Depends(parts_of)],

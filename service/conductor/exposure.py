@@ -11,6 +11,7 @@ from service.conductor.bodies import ImageAgain, Nothing, WithReason
 from service.conductor.caller import Caller, requesting
 from service.conductor.conductor import Conductor, TheConductor, new_id
 from service.conductor.image_work import guide_in_image
+from service.conductor.route_errors import REQUESTING, REUSING_AN_IMAGE
 from service.conductor.taking import Prepared, Standing
 from workflow.facts import CarmPositionConfirmed, ExposureRequested, NewestImageReused, Reasoned
 from workflow.triggers import Trigger
@@ -20,7 +21,7 @@ Positioner = Annotated[Caller, Depends(requesting(Permission.POSITION_CARM))]
 Exposer = Annotated[Caller, Depends(requesting(Permission.EXPOSE))]
 
 
-@router.post("/cases/{case_id}/carm-position-confirmed")
+@router.post("/cases/{case_id}/carm-position-confirmed", openapi_extra=REQUESTING)
 def carm_position_confirmed(_: Nothing, caller: Positioner, conductor: TheConductor) -> CommandAnswer:
     """The C-arm stands where the next image is to be taken: a new view."""
 
@@ -31,7 +32,7 @@ def carm_position_confirmed(_: Nothing, caller: Positioner, conductor: TheConduc
     return conductor.perform(caller, Trigger.CARM_POSITION_CONFIRMED, prepare)
 
 
-@router.post("/cases/{case_id}/exposure-requested")
+@router.post("/cases/{case_id}/exposure-requested", openapi_extra=REQUESTING)
 def exposure_requested(_: Nothing, caller: Exposer, conductor: TheConductor) -> CommandAnswer:
     """An exposure is about to be made: for some time, one arriving image of this patient enters the chain.
 
@@ -48,7 +49,7 @@ def exposure_requested(_: Nothing, caller: Exposer, conductor: TheConductor) -> 
     return conductor.perform(caller, Trigger.EXPOSURE_REQUESTED, prepare)
 
 
-@router.post("/cases/{case_id}/newest-image-reused")
+@router.post("/cases/{case_id}/newest-image-reused", openapi_extra=REUSING_AN_IMAGE)
 async def newest_image_reused(body: ImageAgain, caller: Exposer, conductor: TheConductor) -> CommandAnswer:
     """Take the newest image again instead of exposing; the guide must be in it and nothing may have moved since."""
     found = await guide_in_image(conductor, caller.case_id, body.image_id)
@@ -62,7 +63,7 @@ def _reuse(conductor: Conductor, caller: Caller, facts: NewestImageReused) -> Co
     return conductor.perform(caller, Trigger.NEWEST_IMAGE_REUSED, prepare)
 
 
-@router.post("/cases/{case_id}/retake")
+@router.post("/cases/{case_id}/retake", openapi_extra=REQUESTING)
 def retake(body: WithReason, caller: Exposer, conductor: TheConductor) -> CommandAnswer:
     """The image is not good enough: it and all that was made from it are void."""
 

@@ -14,6 +14,7 @@ from service.conductor.approval import confirmed_approval
 from service.conductor.bodies import FinishTarget, Nothing, RemoveSleeve, WithOptionalReason, WithPin
 from service.conductor.caller import Caller, requesting, stating
 from service.conductor.conductor import LOCKED, Conductor, TheConductor, new_id
+from service.conductor.route_errors import APPROVING, REQUESTING, STATING
 from service.conductor.statements import state, state_only
 from service.conductor.taking import Prepared, Standing
 from service.errors import ServiceError
@@ -27,7 +28,7 @@ _LOCK_WITHIN_S = 1.0
 _LOOK_EVERY_S = 0.01
 
 
-@router.post("/cases/{case_id}/insertion-started")
+@router.post("/cases/{case_id}/insertion-started", openapi_extra=APPROVING)
 def insertion_started(
     body: WithPin, caller: Annotated[Caller, Depends(requesting(Permission.APPROVE))], conductor: TheConductor
 ) -> CommandAnswer:
@@ -43,7 +44,7 @@ def insertion_started(
         raise
 
 
-@router.post("/cases/{case_id}/sleeve-in")
+@router.post("/cases/{case_id}/sleeve-in", openapi_extra=STATING)
 def sleeve_in(_: Nothing, caller: Speaker, conductor: TheConductor) -> CommandAnswer:
     """The sleeve is in."""
     facts = SleeveIn(new_id())
@@ -57,20 +58,20 @@ def sleeve_in(_: Nothing, caller: Speaker, conductor: TheConductor) -> CommandAn
     return state(conductor, caller, Trigger.SLEEVE_IN, facts, prepare)
 
 
-@router.post("/cases/{case_id}/insertion-cancelled")
+@router.post("/cases/{case_id}/insertion-cancelled", openapi_extra=STATING)
 def insertion_cancelled(body: WithOptionalReason, caller: Speaker, conductor: TheConductor) -> CommandAnswer:
     """The sleeve was not pushed in, and nothing is in the guide."""
     facts = Reasoned(body.reason)
     return state_only(conductor, caller, Trigger.INSERTION_CANCELLED, facts, reason=body.reason)
 
 
-@router.post("/cases/{case_id}/sleeve-removed")
+@router.post("/cases/{case_id}/sleeve-removed", openapi_extra=STATING)
 def sleeve_removed(body: RemoveSleeve, caller: Speaker, conductor: TheConductor) -> CommandAnswer:
     """The sleeve is out of the guide: empty now, or a wire is left in."""
     return state_only(conductor, caller, Trigger.SLEEVE_REMOVED, GuideStated(body.guide), guide=body.guide)
 
 
-@router.post("/cases/{case_id}/target-done")
+@router.post("/cases/{case_id}/target-done", openapi_extra=REQUESTING)
 def target_done(
     body: FinishTarget, caller: Annotated[Caller, Depends(requesting(Permission.TARGET))], conductor: TheConductor
 ) -> CommandAnswer:

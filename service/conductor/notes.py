@@ -9,6 +9,7 @@ from service.conductor.answers import CommandAnswer
 from service.conductor.bodies import LabelImage, WriteNote
 from service.conductor.caller import Caller, stating
 from service.conductor.conductor import TheConductor
+from service.conductor.route_errors import STATING, STATING_ABOUT_AN_IMAGE
 from service.conductor.taking import Prepared
 from service.images.store import read_image
 from workflow.facts import Paper
@@ -18,13 +19,13 @@ router = APIRouter(tags=["notes of a case"])
 Writer = Annotated[Caller, Depends(stating(Permission.NOTE))]
 
 
-@router.post("/cases/{case_id}/note")
+@router.post("/cases/{case_id}/note", openapi_extra=STATING)
 def note(body: WriteNote, caller: Writer, conductor: TheConductor) -> CommandAnswer:
     """A remark."""
     return conductor.perform(caller, Trigger.NOTE, lambda _: Prepared(Paper(permitted=True), data={"text": body.text}))
 
 
-@router.post("/cases/{case_id}/label")
+@router.post("/cases/{case_id}/label", openapi_extra=STATING_ABOUT_AN_IMAGE)
 def label(body: LabelImage, caller: Writer, conductor: TheConductor) -> CommandAnswer:
     """A word on an image: scout, depth check; ServiceError IMAGE_UNKNOWN."""
     with conductor.parts.database.read() as connection:

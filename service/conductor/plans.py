@@ -16,6 +16,7 @@ from service.conductor.caller import Caller, requesting
 from service.conductor.conductor import Conductor, TheConductor, new_id
 from service.conductor.device_set import devices_of
 from service.conductor.goals import Goal, goal_of, way_to
+from service.conductor.route_errors import PLANNING
 from service.conductor.taking import Prepared, Standing
 from service.errors import ErrorCode, ServiceError
 from workflow.facts import PlanRequested
@@ -29,7 +30,7 @@ router = APIRouter(tags=["motions of a case"])
 _WAIT_S = 0.3
 
 
-@router.post("/cases/{case_id}/plan-requested")
+@router.post("/cases/{case_id}/plan-requested", openapi_extra=PLANNING)
 def plan_requested(
     body: RequestPlan, caller: Annotated[Caller, Depends(requesting(Permission.PLAN))], conductor: TheConductor
 ) -> CommandAnswer:

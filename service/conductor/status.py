@@ -12,6 +12,7 @@ from service.auth.session import Session
 from service.cases.preconditions import etag
 from service.conductor.answers import AllowanceAnswer, ArmAnswer, LeaseAnswer, ReasonAnswer, StatusAnswer
 from service.conductor.conductor import Conductor, TheConductor
+from service.conductor.route_errors import READING
 from service.conductor.taking import Standing, stand
 from service.conductor.target_list import target_states
 from service.motion.arm_watch import ArmReading
@@ -26,7 +27,7 @@ from workflow.verdicts import Verdict
 router = APIRouter(tags=["status"])
 
 
-@router.get("/cases/{case_id}/status")
+@router.get("/cases/{case_id}/status", openapi_extra=READING)
 def read_status(
     case_id: str,
     response: Response,

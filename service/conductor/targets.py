@@ -16,6 +16,7 @@ from service.conductor.caller import Caller, requesting
 from service.conductor.conductor import Conductor, TheConductor, new_id
 from service.conductor.echoes import Echo
 from service.conductor.image_work import aim, draw_back, registration_json
+from service.conductor.route_errors import AIMING, DRAWING_BACK
 from service.conductor.taking import Prepared, Standing
 from service.errors import ErrorCode, ServiceError
 from workflow.case_json import from_json
@@ -26,7 +27,9 @@ router = APIRouter(tags=["targets of a case"])
 Chooser = Annotated[Caller, Depends(requesting(Permission.TARGET))]
 
 
-@router.post("/cases/{case_id}/target-echo", dependencies=[Depends(require(Permission.TARGET))])
+@router.post(
+    "/cases/{case_id}/target-echo", openapi_extra=DRAWING_BACK, dependencies=[Depends(require(Permission.TARGET))]
+)
 async def target_echo(case_id: str, body: ImagePoint, conductor: TheConductor) -> EchoAnswer:
     """The picked point as the server understood it; confirming a target needs the echo's id."""
     registration_id, registration = await asyncio.to_thread(_registration_of, conductor, case_id, body.image_id)
@@ -36,7 +39,7 @@ async def target_echo(case_id: str, body: ImagePoint, conductor: TheConductor) -
     return EchoAnswer(echo_id=echo.id, image_id=echo.image_id, registration_id=registration_id, **drawn)
 
 
-@router.post("/cases/{case_id}/target-confirmed")
+@router.post("/cases/{case_id}/target-confirmed", openapi_extra=AIMING)
 async def target_confirmed(body: ConfirmTarget, caller: Chooser, conductor: TheConductor) -> CommandAnswer:
     """The surgeon saw the echo and means it: a new target, and where the guide must go."""
     echo = conductor.echoes.find(caller.case_id, body.echo_id)
@@ -53,7 +56,7 @@ async def target_confirmed(body: ConfirmTarget, caller: Chooser, conductor: TheC
     return await asyncio.to_thread(_confirm, conductor, caller, prepared)
 
 
-@router.post("/cases/{case_id}/target-withdrawn")
+@router.post("/cases/{case_id}/target-withdrawn", openapi_extra=AIMING)
 def target_withdrawn(body: WithReason, caller: Chooser, conductor: TheConductor) -> CommandAnswer:
     """The target is given up."""
 
