@@ -191,8 +191,9 @@ class Guard:
         if ended is None:
             return
         self._course = None
-        self._idle_phase = Phase.IDLE if ended.cause in _CALM and self._idle_phase is Phase.IDLE else Phase.HELD
-        self._fault = self._observer.fault(now_s)
+        if ended.cause not in _CALM:  # after a calm end a fault is news, after the others it was the reason
+            self._idle_phase = Phase.HELD
+            self._fault = self._observer.fault(now_s)
         self._displacement.account(self._observer.newest)
         self._journal.flush(_FLUSH_S)
         self._tell(ended)

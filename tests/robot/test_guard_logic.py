@@ -1,0 +1,258 @@
+"""The guard's order of things with an arm of numbers and a clock that is turned by hand."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from robot.arm import ArmState, LinearMove
+from robot.errors import ControllerRefusedError
+from robot.guard.guard import Guard
+from robot.guard.journal import Journal
+from robot.guard.messages import (
+    Acknowledge,
+    BeginMove,
+    EndCause,
+    Event,
+    Fault,
+    FaultKind,
+    Heartbeat,
+    MotionEnded,
+    MoveRefused,
+    Phase,
+    Status,
+)
+from robot.refusal import RefusalCode
+from robot.safety import SafetyState
+
+TURN_S = 0.008
+
+
+class Room:
+    """An arm that does what it is told, a guard over it, and the time."""
+
+    def __init__(self, reading: ArmState, journal: Journal) -> None:
+        self.now_s = 100.0
+        self.reading = reading
+        self.orders: list[str] = []
+        self.events: list[Event] = []
+        self.while_control_is_taken: Callable[[], None] = lambda: None
+        self.guard = Guard(self, journal, self.events.append, lambda: self.now_s)
+        self.turn()
+        self.guard.handle(Acknowledge())
+
+    def turn(self, seconds: float = TURN_S) -> None:
+        """Let time pass and the guard have a look."""
+        self.now_s += seconds
+        self.guard.tick()
+
+    def beat(self, number: int, challenge: str | None = None, held: bool = True) -> None:
+        self.guard.handle(Heartbeat("permit-1", number, challenge or self.challenge(), held))
+
+    def challenge(self) -> str:
+        return next(event.challenge for event in reversed(self.events) if isinstance(event, Status))
+
+    def newest(self, kind: type[Event]) -> Event | None:
+        return next((event for event in reversed(self.events) if isinstance(event, kind)), None)
+
+    # What follows is the Arm protocol.
+
+    def read(self) -> ArmState:
+        return replace(self.reading, controller_time_s=self.now_s, received_at_s=self.now_s)
+
+    def connect(self) -> bool:
+        return True
+
+    def take_control(self, watchdog_hz: float) -> None:
+        self.orders.append("control")
+        self.reading = replace(self.reading, program_running=True)
+        self.while_control_is_taken()
+
+    def flange_from_tcp(self) -> np.ndarray:
+        return np.eye(4)
+
+    def move_linear(self, move: LinearMove) -> None:
+        self.orders.append("move")
+
+    def feed_watchdog(self) -> None:
+        self.orders.append("feed")
+
+    def send_stop(self) -> bool:
+        self.orders.append("stop")
+        self.reading = replace(self.reading, program_running=False)
+        return True
+
+    def stop_script(self) -> None:
+        self.orders.append("stop script")
+
+    def give_up_control(self) -> None:
+        self.orders.append("give up")
+
+    def is_stuck(self) -> bool:
+        return False
+
+    def close(self) -> None:
+        pass
+
+
+@pytest.fixture
+def room(reading: ArmState, tmp_path: Path):
+    journal = Journal(tmp_path)
+    yield Room(reading, journal)
+    journal.close()
+
+
+def begin(room: Room, move: BeginMove) -> None:
+    room.turn(0.03)
+    room.beat(1)
+    room.guard.handle(move)
+    room.turn()
+
+
+def test_motion_goes_out_once_control_is_taken_and_everything_still_holds(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    assert room.orders == ["control", "move"]
+    assert room.guard.phase is Phase.MOVING
+
+
+def test_stop_that_comes_while_control_is_taken_prevents_the_motion(room: Room, move: BeginMove) -> None:
+    sent = []
+    room.while_control_is_taken = lambda: sent.append(room.guard.stop_now("asked"))  # from the other thread
+    begin(room, move)  # the loop has not seen the stop yet
+    assert "move" not in room.orders
+    room.guard.handle(sent[0])
+    assert room.newest(MoveRefused).refusal.code is RefusalCode.STOPPED
+    room.turn()
+    assert room.guard.phase is Phase.HELD
+    assert "move" not in room.orders
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [
+        ({"safety": SafetyState.PROTECTIVE_STOP}, RefusalCode.ARM_NOT_READY),
+        ({"joints_rad": np.deg2rad([0.5, -90.0, 90.0, -90.0, -90.0, 0.0])}, RefusalCode.ARM_MOVED_SINCE_PERMIT),
+        ({"tcp_speed_mm_s": np.nan}, RefusalCode.ARM_UNREACHABLE),
+    ],
+)
+def test_arm_that_changes_while_control_is_taken_is_not_moved(
+    room: Room, move: BeginMove, change: dict[str, object], code: RefusalCode
+) -> None:
+    def happen() -> None:
+        room.reading = replace(room.reading, **change)
+
+    room.while_control_is_taken = happen
+    begin(room, move)
+    assert room.newest(MoveRefused).refusal.code is code
+    assert "move" not in room.orders
+    assert room.orders[-2:] == ["stop", "give up"]
+
+
+def test_hold_let_go_while_control_is_taken_prevents_the_motion(room: Room, move: BeginMove) -> None:
+    room.while_control_is_taken = lambda: room.beat(2, held=False)
+    begin(room, move)
+    assert room.newest(MoveRefused).refusal.code is RefusalCode.NO_LIVE_HEARTBEAT
+    assert "move" not in room.orders
+
+
+def test_hold_that_was_not_heard_while_control_was_taken_is_awaited_but_not_for_long(
+    room: Room, move: BeginMove
+) -> None:
+    def block() -> None:
+        room.now_s += 0.3
+
+    room.while_control_is_taken = block
+    begin(room, move)
+    assert room.guard.phase is Phase.STARTING
+    room.turn()
+    assert "move" not in room.orders
+    room.turn(0.4)
+    assert room.newest(MoveRefused).refusal.code is RefusalCode.NO_LIVE_HEARTBEAT
+
+
+def test_refused_tcp_stops_the_script_that_was_needed_to_read_it(room: Room, move: BeginMove) -> None:
+    tcp = np.eye(4)
+    tcp[0, 3] = 5.0
+    begin(room, replace(move, flange_from_guide=tcp))
+    assert room.newest(MoveRefused).refusal.code is RefusalCode.TCP_MISMATCH
+    assert room.orders == ["control", "stop", "give up"]
+
+
+def test_watchdog_is_fed_once_for_each_new_live_heartbeat_and_by_nothing_else(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    before = room.orders.count("feed")
+    for _ in range(5):
+        room.turn()
+    assert room.orders.count("feed") == before  # time alone feeds nothing
+    challenge = room.challenge()
+    room.beat(2, challenge)
+    room.beat(2, challenge)
+    assert room.orders.count("feed") == before + 1
+    room.now_s += 0.3
+    room.beat(3, challenge)  # a new number, held up on its way
+    assert room.orders.count("feed") == before + 1
+
+
+def test_watchdog_that_cannot_be_fed_ends_the_motion(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+
+    def refuse() -> None:
+        raise ControllerRefusedError("gone")
+
+    room.feed_watchdog = refuse
+    room.beat(2)
+    for _ in range(40):
+        room.turn()
+    assert room.newest(MotionEnded).cause is EndCause.CONTROL_LOST
+
+
+def test_stop_that_shows_no_effect_is_sent_again_until_it_does_or_time_is_up(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+
+    def deaf() -> bool:
+        room.orders.append("stop")
+        return True
+
+    room.send_stop = deaf  # the program goes on
+    room.guard.handle(room.guard.stop_now("asked"))
+    for _ in range(500):
+        room.turn()
+    ended = room.newest(MotionEnded)
+    assert not ended.program_stopped
+    assert 13 <= room.orders.count("stop") <= 18  # five a second for three seconds, and the first two
+    assert room.guard.phase is Phase.HELD
+
+
+def test_protective_stop_amid_a_release_is_told_beside_it_and_holds_the_guard(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    room.beat(2, held=False)
+    room.turn()
+    room.reading = replace(room.reading, safety=SafetyState.PROTECTIVE_STOP)
+    for _ in range(40):
+        room.turn()
+    assert room.newest(MotionEnded).cause is EndCause.RELEASED
+    assert room.newest(Fault).kind is FaultKind.PROTECTIVE_STOP
+    assert room.guard.phase is Phase.HELD
+
+
+def test_protective_stop_that_ended_a_motion_is_told_once(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    room.reading = replace(room.reading, safety=SafetyState.PROTECTIVE_STOP)
+    for _ in range(40):
+        room.turn()
+    assert room.newest(MotionEnded).cause is EndCause.PROTECTIVE_STOP
+    assert room.newest(Fault) is None
+    assert room.guard.phase is Phase.HELD
+
+
+def test_stop_of_a_motion_that_is_ending_calmly_holds_the_guard(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    room.beat(2, held=False)
+    room.turn()
+    room.guard.handle(room.guard.stop_now("asked"))
+    for _ in range(40):
+        room.turn()
+    assert room.newest(MotionEnded).cause is EndCause.RELEASED
+    assert room.guard.phase is Phase.HELD
