@@ -137,9 +137,10 @@ def test_fiducials_are_where_the_points_project(
     found = fiducials(rings_of(view, guide), expected["line_start"], expected["line_end"], guide, NOMINAL)
     assert not isinstance(found, Refusal)
     assert list(found) == list(names)
+    # px: the nominal intrinsics are 2 % and 9 px off, as they are in a room, and that counts in proportion to the tilt
+    tolerance_px = 0.02 + 0.006 * tilt_deg
     for name in names:
-        # px; the nominal intrinsics are 2 % and 9 px off, as they are in a room
-        assert np.abs(found[name] - expected[name]).max() < 0.2, name
+        assert np.abs(found[name] - expected[name]).max() < tolerance_px, name
 
 
 def test_exchanged_rings_are_refused(vector_view: View, guide: Guide) -> None:
