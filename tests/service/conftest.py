@@ -35,10 +35,20 @@ def settings(tmp_path: Path) -> Settings:
     return Settings(data_folder=tmp_path, min_free_bytes=0, http=HttpSettings(port=0), dicom=DicomSettings(port=0))
 
 
-@pytest.fixture
-def database(tmp_path: Path) -> Iterator[Database]:
-    database = open_database(f"sqlite:///{tmp_path / 'coaxial.sqlite'}")
+@pytest.fixture(scope="session")
+def migrated_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An empty database with today's schema: migrating takes a third of a second, copying nothing."""
+    file = tmp_path_factory.mktemp("migrated") / "coaxial.sqlite"
+    database = open_database(f"sqlite:///{file}")
     migrate(database)
+    database.close()
+    return file
+
+
+@pytest.fixture
+def database(tmp_path: Path, migrated_file: Path) -> Iterator[Database]:
+    file = shutil.copy(migrated_file, tmp_path / "coaxial.sqlite")
+    database = open_database(f"sqlite:///{file}")
     yield database
     database.close()
 
