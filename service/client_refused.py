@@ -20,7 +20,7 @@ class Refused(Exception):  # noqa: N818  it is an answer, not a fault
         self.problem = problem
 
     @classmethod
-    def from_body(cls, status: int, body: bytes) -> Self:
+    def from_body(cls, status: int, body: bytes | bytearray) -> Self:
         """From the bytes of an answer, whether it is a problem or something in between said no."""
         try:
             problem = json.loads(body)

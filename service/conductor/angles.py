@@ -15,6 +15,7 @@ from service.errors import ErrorCode, ServiceError
 from service.parts import Parts, parts_of
 
 router = APIRouter(tags=["images of a case"])
+_READER = [Depends(require(Permission.READ))]
 
 
 @router.get(

@@ -16,6 +16,7 @@ from service.database.json_text import to_text
 from service.parts import Parts, parts_of
 
 router = APIRouter(tags=["status"])
+_READER = [Depends(require(Permission.READ))]
 
 
 @router.get(

@@ -25,6 +25,7 @@ from workflow.triggers import Trigger
 
 router = APIRouter(tags=["targets of a case"])
 Chooser = Annotated[Caller, Depends(requesting(Permission.TARGET))]
+_CHOOSER = [Depends(require(Permission.TARGET))]
 
 
 @router.post(
