@@ -28,7 +28,7 @@ check: $(VENV)/.test  ## formatting, lint, types, import contracts
 	$(BIN)/lint-imports
 
 tests: $(VENV)/.test
-	@for need in dcmtk:storescu; do command -v $${need#*:} >/dev/null || \
+	@for need in dcmtk:storescu postgresql:pg_lsclusters; do command -v $${need#*:} >/dev/null || \
 	  { echo "missing Debian package: apt-get install $${need%:*}"; exit 1; }; done
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
