@@ -8,7 +8,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests samples format lock
+.PHONY: help demo run test check tests samples format docs lock
 
 help:  ## this list
 	@grep -hE '^[a-z]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -38,6 +38,12 @@ samples: $(VENV)/.runtime  ## register, flip and turn the images of SAMPLES=fold
 format: $(VENV)/.test  ## write the house format
 	$(BIN)/ruff format --quiet .
 	$(BIN)/ruff check --quiet --fix .
+
+docs: $(VENV)/.runtime  ## write the generated pages and the README's picture anew
+	$(BIN)/python -m workflow.diagram > docs/state-machine.md
+	$(BIN)/python -m service.error_page > docs/error-codes.md
+	$(BIN)/python -c 'from workflow.diagram import mermaid; print("```mermaid", mermaid().strip(), "```", sep="\n")' > $(VENV)/picture.md
+	sed -i -e '/state-machine:begin/,/state-machine:end/{//!d}' -e '/state-machine:begin/r $(VENV)/picture.md' README.md
 
 lock:  ## resolve the two lock files anew (needs uv)
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --extra build \

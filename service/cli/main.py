@@ -17,11 +17,11 @@ _GROUP = "coaxial.commands"
 class LazyCommands(TyperGroup):
     """A command group whose members are resolved by entry point at call time."""
 
-    def list_commands(self, ctx: Any) -> list[str]:
+    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002  # the base class passes it
         """Names of every installed subcommand, sorted."""
         return sorted(point.name for point in entry_points(group=_GROUP))
 
-    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002  # the base class passes it
         """The command behind the entry point `cmd_name` (a Typer app), or None where there is none."""
         for point in entry_points(group=_GROUP, name=cmd_name):
             return typer.main.get_command(point.load())
