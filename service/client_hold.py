@@ -53,8 +53,8 @@ class Hold:
 
     def __enter__(self) -> Self:
         headers = {"Authorization": f"Bearer {self._token}"}
-        opening = connect(self._url, additional_headers=headers, open_timeout=10, ping_interval=None)
         try:
+            opening = connect(self._url, additional_headers=headers, open_timeout=10, ping_interval=None)
             self._connection = self._open.enter_context(opening)
         except InvalidStatus as refusal:
             raise Refused.from_body(refusal.response.status_code, refusal.response.body or b"") from None
