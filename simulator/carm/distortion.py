@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _INVERSE_ROUNDS = 12  # each leaves at most a sixth of the error: below a millionth of a pixel
-_WAVES = 3
+_WAVES = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,8 +80,8 @@ def draw_distortion(rng: np.random.Generator, strength: float = 1.0) -> Distorti
 
 
 def _draw_wave(rng: np.random.Generator, strength: float) -> Wave:
-    period_px, direction = rng.uniform(450.0, 900.0), rng.uniform(0.0, 2.0 * np.pi)
-    amplitude, along = strength * rng.uniform(0.3, 0.9), rng.uniform(0.0, 2.0 * np.pi)
+    period_px, direction = rng.uniform(750.0, 1200.0), rng.uniform(0.0, 2.0 * np.pi)
+    amplitude, along = strength * rng.uniform(0.2, 0.7), rng.uniform(0.0, 2.0 * np.pi)
     return Wave(
         amplitude_px=(amplitude * np.cos(along), amplitude * np.sin(along)),
         cycles_per_px=(np.cos(direction) / period_px, np.sin(direction) / period_px),
