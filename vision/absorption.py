@@ -29,8 +29,10 @@ class Absorption:
         return float(self.inside.sum())
 
     def curvatures(self, sigma_px: float) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
-        """Second derivatives uu, uv, vv (rows, columns) of minus the absorption, smoothed, times sigma squared: a dark spot is
-        positive."""
+        """Second derivatives uu, uv, vv (rows, columns) of minus the smoothed absorption, times sigma squared.
+
+        A dark spot is positive.
+        """
         scale = np.float32(sigma_px**2)
         along_u, along_v = self.slopes(sigma_px)
         return (
@@ -47,7 +49,8 @@ class Absorption:
     def lesser_curvature(self, sigma_px: float) -> NDArray[np.float32]:
         """The smaller eigenvalue of the second derivatives: large at dark spots, small along wires and edges."""
         uu, uv, vv = self.curvatures(sigma_px)
-        return (uu + vv) / 2.0 - np.sqrt((uu - vv) ** 2 / 4.0 + uv**2)
+        lesser: NDArray[np.float32] = (uu + vv) / 2.0 - np.sqrt((uu - vv) ** 2 / 4.0 + uv**2)
+        return lesser
 
 
 def absorption(image: XrayImage) -> Absorption:

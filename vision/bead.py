@@ -132,9 +132,9 @@ def _ground(grid: Array, reader: ProfileReader, crossing: Crossing) -> Array:
 def _shadow(offset: Array, radius_px: float, blur_px: float) -> Array:
     """A ball's shadow, 1 at its centre: the chord through a sphere, its rim softened by the image's blur."""
     share = np.linalg.norm(offset, axis=1) / math.hypot(radius_px, blur_px)
-    return np.sqrt(np.clip(1.0 - share**2, 0.0, None))
+    return np.asarray(np.sqrt(np.clip(1.0 - share**2, 0.0, None)), dtype=np.float64)
 
 
 def _sum_of_squares(design: Array, values: Array) -> tuple[float, Array]:
-    solved = np.linalg.lstsq(design, values, rcond=None)[0]
+    solved = np.asarray(np.linalg.lstsq(design, values, rcond=None)[0], dtype=np.float64)
     return float(((values - design @ solved) ** 2).sum()), solved

@@ -171,7 +171,12 @@ def true_centres(rings: RingPair, guide: Guide, nominal: Intrinsics) -> RingCent
         axis = q - ratio * p
         q, p = _dehomogenised(pole(small, axis)), _dehomogenised(pole(big, axis))
         chords = _half_chord(small, q, axis), _half_chord(big, p, axis)
-        ratio = (guide.big_ring_radius_mm * chords[0]) / (guide.small_ring_radius_mm * chords[1])
+        # a pole outside its ellipse has no chord: infinite, and refused below
+        ratio = (
+            (guide.big_ring_radius_mm * chords[0]) / (guide.small_ring_radius_mm * chords[1])
+            if chords[1] > 0.0
+            else math.inf
+        )
         if not (math.isfinite(ratio) and ratio < 1.0):
             message = "the two ellipses are no image of the guide's rings: depth ratio of big to small ring"
             return Refusal(RefusalCode.GUIDE_MISMATCH, message, ratio, 1.0)

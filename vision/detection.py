@@ -118,7 +118,7 @@ def _plausible(hypotheses: Array, axes: AxisRange) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         major, minor = 1.0 / np.sqrt(mean - spread), 1.0 / np.sqrt(mean + spread)
         fits = (major > axes.least_px) & (major < axes.greatest_px) & (minor > axes.least_ratio * major)
-    return hypotheses[fits]
+    return np.asarray(hypotheses[fits], dtype=np.float64)
 
 
 def _supports(hypotheses: Array, ridge: Ridge, tree: KDTree, samples: int, within_px: float) -> Array:
@@ -132,7 +132,7 @@ def _supports(hypotheses: Array, ridge: Ridge, tree: KDTree, samples: int, withi
     normal = np.stack((2.0 * a * x + b * y, b * x + 2.0 * c * y), axis=2)
     normal /= np.linalg.norm(normal, axis=2, keepdims=True)
     points = hypotheses[:, None, :2] + radius[:, :, None] * np.stack((x, y), axis=1)
-    distance, index = tree.query(points, distance_upper_bound=within_px)
+    _, index = tree.query(points, distance_upper_bound=within_px)
     found = index < len(ridge.points)
     parallel = np.abs((ridge.normals[np.where(found, index, 0)] * normal).sum(axis=2)) > _NORMALS_WITHIN
     return np.asarray((found & parallel).mean(axis=1), dtype=np.float64)
@@ -141,16 +141,16 @@ def _supports(hypotheses: Array, ridge: Ridge, tree: KDTree, samples: int, withi
 def _refined(hypothesis: Array, ridge: Ridge, tree: KDTree, axes: AxisRange) -> RingCandidate | None:
     """The hypothesis refitted to the ridge points along it, three times, ever more closely."""
     form = hypothesis
-    ellipse: Ellipse | None = None
-    for within_px in (2.0 * _LOOSE_PX, _LOOSE_PX, _TIGHT_PX):
-        ellipse = fit_ellipse(ridge.points[followers(form, ridge, within_px)])
-        if ellipse is None:
+    for within_px in (2.0 * _LOOSE_PX, _LOOSE_PX):
+        nearer = fit_ellipse(ridge.points[followers(form, ridge, within_px)])
+        if nearer is None:
             return None
-        form = _form(ellipse)
-    assert ellipse is not None
-    if not len(_plausible(form[None], axes)):
+        form = _form(nearer)
+    ellipse = fit_ellipse(ridge.points[followers(form, ridge, _TIGHT_PX)])
+    if ellipse is None or not len(_plausible(_form(ellipse)[None], axes)):
         return None
-    return RingCandidate(ellipse, float(_supports(form[None], ridge, tree, _FINE_SAMPLES, _TIGHT_PX)[0]))
+    support = _supports(_form(ellipse)[None], ridge, tree, _FINE_SAMPLES, _TIGHT_PX)
+    return RingCandidate(ellipse, float(support[0]))
 
 
 def followers(form: Array, ridge: Ridge, within_px: float) -> NDArray[np.bool_]:

@@ -21,6 +21,9 @@ _SETTLED_PX = 1e-7  # of a round; the next one would move a thousandth of it
 _OUTLIER_SD = 4.0
 _REJECTION_ROUNDS = 6
 _GREATEST_DEGREE = 12  # believed from a file
+_INVERTED_WITHIN_PX = 0.1
+_INVERSE_REACH = 1.5  # half sizes of the image from its centre: where inverting is tried at all
+_FOLDED = 0.05  # ratio of the singular values of the map's derivative below which it is no map any more
 _STEP_PX = 0.5  # of the map's numerical derivative; the map bends over hundreds of pixels
 
 
@@ -64,15 +67,18 @@ class DistortionMap:
     def raw_from_corrected(self, points: Array) -> Array:
         """Raw pixels (n, 2) of corrected pixels (n, 2), by Newton's method with the derivative at the start.
 
-        The map bends so little over its own displacement that each round gains three digits.
+        The map bends so little over its own displacement that each round gains three digits. Far outside the field
+        the polynomial folds: there the results stay within half an image of the border and mean nothing.
         """
         points = np.asarray(points, dtype=np.float64)
         if not self.coefficients.any():
             return points.copy()
-        raw, inverse = points.copy(), np.linalg.inv(self.jacobian(points))
+        centre, reach_px = np.array(self.centre_px), _INVERSE_REACH * self.half_size_px
+        raw = np.clip(points, centre - reach_px, centre + reach_px)
+        inverse = np.linalg.pinv(self.jacobian(raw), rcond=_FOLDED)
         for _ in range(_NEWTON_ROUNDS):
             step = np.einsum("nij,nj->ni", inverse, self.corrected_from_raw(raw) - points)
-            raw -= step
+            raw = np.clip(raw - step, centre - reach_px, centre + reach_px)
             if not np.abs(step).max(initial=0.0) > _SETTLED_PX:
                 break
         return raw
@@ -171,23 +177,27 @@ def fit(raw: Array, lattice: Array, rows: int, columns: int, spacing_mm: float) 
     half_size_px = max(rows, columns) / 2.0
     corrected, spacing_px = _similar(lattice, raw)
     normalised = (raw - np.array(centre)) / half_size_px
-    best: tuple[float, int, Array] | None = None
-    for degree in DEGREES:
-        kept = _kept(_terms(normalised, degree), corrected - raw)
-        error = _leave_one_out(_terms(normalised[kept], degree), (corrected - raw)[kept])
-        if best is None or error < best[0]:
-            best = (error, degree, kept)
-    assert best is not None
-    _, degree, kept = best
+    kept_by = {degree: _kept(_terms(normalised, degree), corrected - raw) for degree in DEGREES}
+    degree = min(
+        kept_by, key=lambda d: _leave_one_out(_terms(normalised, d)[kept_by[d]], (corrected - raw)[kept_by[d]])
+    )
+    kept = kept_by[degree]
     terms, wanted = _terms(normalised[kept], degree), (corrected - raw)[kept]
-    coefficients = np.linalg.lstsq(terms, wanted, rcond=None)[0]
+    coefficients = np.asarray(np.linalg.lstsq(terms, wanted, rcond=None)[0], dtype=np.float64)
     residual = wanted - terms @ coefficients
     variance = float((residual**2).sum() / (2 * (len(terms) - terms.shape[1])))
     rms_px = float(np.sqrt((residual**2).sum(axis=1).mean()))
     pixel_size_mm = spacing_mm / spacing_px
     fitted = DistortionMap(centre, half_size_px, degree, coefficients, int(kept.sum()), rms_px, pixel_size_mm)
-    sites = fitted.raw_from_corrected(_places_in(lattice, corrected, rows, columns))
-    return PlateFit(fitted, variance * np.linalg.inv(terms.T @ terms), sites)
+    sites = _invertible(fitted, _places_in(lattice, corrected, rows, columns))
+    return PlateFit(fitted, np.asarray(variance * np.linalg.inv(terms.T @ terms), dtype=np.float64), sites)
+
+
+def _invertible(distortion: DistortionMap, corrected: Array) -> Array:
+    """Raw pixels (k, 2) of those corrected pixels that have one: beyond the field the polynomial may fold."""
+    raw = distortion.raw_from_corrected(corrected)
+    excess = distortion.corrected_from_raw(raw) - corrected
+    return np.asarray(raw[np.linalg.norm(excess, axis=1) < _INVERTED_WITHIN_PX])
 
 
 def _places_in(lattice: Array, corrected: Array, rows: int, columns: int) -> Array:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.absorption import Absorption
-from vision.conics import RingPair, true_centres
+from vision.conics import RingPair, depth_ratio, true_centres
 from vision.detection import RingCandidate
 from vision.devices import Guide
 from vision.distortion import DistortionMap
@@ -17,6 +17,8 @@ from vision.refusal import Refusal
 Array = NDArray[np.float64]
 
 SCALE_WITHIN = 0.3  # relative: distance by the rings' separation against distance by their size
+# Eq. (10) by the ellipses' axes, with some hundredths of error; the ring planes are far from the source
+LEAST_DEPTH_RATIO, GREATEST_DEPTH_RATIO = 0.7, 1.05
 GREATEST_TILT_RAD = math.radians(50.0)  # for a first pose; the gate on the final one is tighter
 _DIRECTIONS = 720  # half degrees: half of the line's width at its end
 _ON_LINE = 40
@@ -77,7 +79,7 @@ def first_view(
     wire_px = guide.wire_diameter_mm * nominal.alpha_x_px / upright.source_from_guide[2, 3]
     curvature = _Curvature(absorption, distortion, wire_px)
     on_rings = curvature.across_rings(upright, guide)
-    turns = np.arange(_DIRECTIONS) * (2.0 * math.pi / _DIRECTIONS)
+    turns = np.linspace(0.0, 2.0 * math.pi, _DIRECTIONS, endpoint=False, dtype=np.float64)
     contrast = curvature.across_lines(upright, guide, turns) / on_rings
     best = int(np.argmax(contrast))
     away = np.abs((turns - turns[best] + math.pi) % (2.0 * math.pi) - math.pi) > _APART
@@ -90,6 +92,8 @@ def _axis_view(rings: RingPair, guide: Guide, nominal: Intrinsics) -> View | Non
 
     Eq. (10) and (11): the distance by the separation must agree with that by the rings' sizes, from which it is taken.
     """
+    if not LEAST_DEPTH_RATIO < depth_ratio(rings, guide) < GREATEST_DEPTH_RATIO:
+        return None
     centres = true_centres(rings, guide, nominal)
     if isinstance(centres, Refusal):
         return None
@@ -157,7 +161,7 @@ class _Curvature:
     def _read(self, points: Array, normals: Array) -> Array:
         rows, columns = self._uu.shape
         raw = np.rint(self._distortion.raw_from_corrected(points)).astype(np.intp)
-        seen = ((raw >= 0) & (raw < (columns, rows))).all(axis=1)
+        seen: NDArray[np.bool_] = np.all((raw >= 0) & (raw < (columns, rows)), axis=1)
         u, v = np.where(seen[:, None], raw, 0).T
         x, y = normals.T
         value = x * x * self._uu[v, u] + 2.0 * x * y * self._uv[v, u] + y * y * self._vv[v, u]

@@ -71,7 +71,7 @@ def find_lattice(absorption: Absorption, plate: Plate, pixel_size_mm: float) -> 
 def _candidates(absorption: Absorption, radius_px: float) -> Array:
     """Dark spots (n, 2) of the balls' size, raw pixels, the strongest first.
 
-    The measure is the lesser curvature of the smoothed image, so that wires, which bend in one direction only, are none.
+    The measure is the lesser curvature of the smoothed image: wires, which bend in one direction only, have none.
     """
     curvature = absorption.lesser_curvature(radius_px / np.sqrt(2.0))
     window = 2 * round(2.0 * radius_px) + 1
@@ -83,7 +83,7 @@ def _candidates(absorption: Absorption, radius_px: float) -> Array:
 
 
 def _lattice_steps(strongest: Array, spacing_px: float) -> Array | None:
-    """The two steps (2, 2) of the lattice, px: the commonest difference of neighbours, and the same a quarter turn on."""
+    """Both steps (2, 2) of the lattice, px: the commonest difference of neighbours, and it a quarter turn on."""
     if len(strongest) < 4:
         return None
     pairs = KDTree(strongest).query_pairs(spacing_px * (1.0 + _SPACING_WITHIN), output_type="ndarray")

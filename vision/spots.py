@@ -40,11 +40,11 @@ def fit_spots(values: NDArray[np.float32], starts: Array, radius_px: float) -> S
         Those too near the border are not settled.
     """
     reach = round(_REACH * radius_px)
-    offsets = np.arange(-reach, reach + 1)
-    v, u = (grid.ravel() for grid in np.meshgrid(offsets, offsets, indexing="ij"))
+    offsets = np.arange(-reach, reach + 1, dtype=np.intp)
+    v, u = np.repeat(offsets, len(offsets)), np.tile(offsets, len(offsets))
     pixels = np.rint(starts).astype(np.intp)
     limits = np.array(values.shape[::-1]) - reach - 1
-    inside = ((pixels >= reach + 1) & (pixels < limits)).all(axis=1)
+    inside: NDArray[np.bool_] = np.all((pixels >= reach + 1) & (pixels < limits), axis=1)
     corner = np.where(inside[:, None], pixels, reach + 1)
     patches = values[corner[:, 1, None] + v, corner[:, 0, None] + u].astype(np.float64)
     centres, sigma = starts - corner, np.full(len(starts), _WIDTH * radius_px)
@@ -57,7 +57,9 @@ def fit_spots(values: NDArray[np.float32], starts: Array, radius_px: float) -> S
     return Spots(corner + centres, amplitude, inside & near & (amplitude > 0.0))
 
 
-def _step(patches: Array, centres: Array, sigma: Array, u: Array, v: Array) -> tuple[Array, Array, Array]:
+def _step(
+    patches: Array, centres: Array, sigma: Array, u: NDArray[np.intp], v: NDArray[np.intp]
+) -> tuple[Array, Array, Array]:
     """One step of centre and width of each patch; amplitude and ground are linear and solved beforehand."""
     x, y = u - centres[:, :1], v - centres[:, 1:]
     spot = np.exp(-(x**2 + y**2) / (2.0 * sigma[:, None] ** 2))
