@@ -74,14 +74,16 @@ def carm_angles(entry_in_patient: Array, target_in_patient: Array, position: Pos
         return refused
     x, y, z = (float(component) for component in path / np.linalg.norm(path))
     left, up = _in_equipment(x, y, position)
+    # arctangents where docs/method.md has arcsines: those lose half their digits near 90 deg
+    secondary_rad = math.atan2(z, math.hypot(x, y))
     return CArmAngles(
         primary_rad=math.atan2(x, 0.0 - y),
-        secondary_rad=math.asin(z),
+        secondary_rad=secondary_rad,
         rotation_from_vertical_rad=math.atan2(left, up),
-        angulation_from_vertical_rad=math.asin(z),
-        orbital_rad=math.asin(left),
+        angulation_from_vertical_rad=secondary_rad,
+        orbital_rad=math.atan2(left, math.hypot(up, z)),
         tilt_rad=math.atan2(z, up),
-        words=_words(math.atan2(left, up), math.asin(z), x),
+        words=_words(math.atan2(left, up), secondary_rad, x),
     )
 
 
