@@ -56,14 +56,12 @@ def test_angles_give_the_direction_of_the_path_back(x: float, y: float, z: float
     angles = planned((x, y, z), (0.0, 0.0, 0.0), position)
     alpha, beta = angles.primary_rad, angles.secondary_rad
     direction = np.array([math.sin(alpha) * math.cos(beta), -math.cos(alpha) * math.cos(beta), math.sin(beta)])
-    assert direction == pytest.approx(
-        np.array([x, y, z]) / math.hypot(x, y, z), abs=1e-9
+    assert direction == pytest.approx(np.array([x, y, z]) / math.hypot(x, y, z), abs=1e-9)
     # the mobile C-arm: tilt about the body's cross axis, then slide along the tilted orbit
     orbital, tilt = angles.orbital_rad, angles.tilt_rad
     equipment = [math.sin(orbital), math.cos(orbital) * math.cos(tilt), math.cos(orbital) * math.sin(tilt)]
     left, up = (x, -y) if position is Position.SUPINE else (-x, y)
-    assert equipment == pytest.approx(
-        np.array([left, up, z]) / math.hypot(x, y, z), abs=1e-9
+    assert equipment == pytest.approx(np.array([left, up, z]) / math.hypot(x, y, z), abs=1e-9)
 
 
 def test_straight_above_is_zero_on_the_dial_of_either_position() -> None:
