@@ -1,0 +1,46 @@
+"""Why a run ended early, in one line that says what to look at."""
+
+from typing import Any
+
+import httpx
+
+from service.client import HoldEnded, Refused
+
+
+class DemoFailed(Exception):  # noqa: N818  it names what happened, as the line that is printed does
+    """Something did not happen as it should; `code` is stable, the text is for people."""
+
+    def __init__(self, code: str, text: str) -> None:
+        super().__init__(f"{code}: {text}")
+        self.code = code
+
+
+def failed_motion(kind: str, ended: HoldEnded) -> DemoFailed:
+    """A motion that did not arrive."""
+    if ended.problem is not None:
+        return DemoFailed(str(ended.problem["code"]), f"{kind}: {ended.problem['detail']}")
+    away = "" if ended.distance_mm is None else f", {ended.distance_mm:.2f} mm before the goal"
+    return DemoFailed(ended.cause, f"the {kind} motion ended in {ended.state or 'an unknown state'}{away}")
+
+
+def failed_verdicts(verdicts: list[dict[str, Any]]) -> str:
+    """Every interlock that refused, with what it measured."""
+    failed = [verdict for verdict in verdicts if not verdict["passed"]]
+    return "; ".join(
+        f"{one['code']} ({one['hazard']}): {one['message']}, measured {one['measured']}, limit {one['limit']}"
+        for one in failed
+    )
+
+
+def explain(error: DemoFailed | Refused | httpx.HTTPError | TimeoutError) -> str:
+    """One line: code, text, measured value and limit, what to do."""
+    match error:
+        case Refused():
+            compared = "" if error.measured is None else f" (measured {error.measured}, limit {error.limit})"
+            return f"{error.code}: {error.detail}{compared}. {error.what_to_do}"
+        case httpx.HTTPError():
+            return f"no_answer: {type(error).__name__} {error}"
+        case TimeoutError():
+            return f"too_late: {error}"
+        case DemoFailed():
+            return str(error)

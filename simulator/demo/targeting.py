@@ -1,0 +1,118 @@
+"""One target: from the C-arm's view to the sleeve, with as many corrections as the limits ask for."""
+
+from dataclasses import dataclass
+
+from service.client import Case
+from simulator.demo.door_client import Door
+from simulator.demo.failure import DemoFailed
+from simulator.demo.imaging import take_registration, take_verification, turn_carm
+from simulator.demo.moving import move
+from simulator.demo.results import Moved, TargetResult, Verified
+from simulator.demo.telling import Teller
+from simulator.demo.watching import Json
+
+_ECHO_WITHIN_PX = 0.5  # H08
+_CORRECTIONS = 3
+_CLEARANCE_MM = 60.0  # along the guide's axis, before the C-arm turns
+
+
+@dataclass(frozen=True, slots=True)
+class Team:
+    """Surgeon and radiographer at one case, and the room they stand in."""
+
+    surgeon: Case
+    operator: Case
+    pin: str
+    door: Door
+    teller: Teller
+
+
+def place_sleeve(team: Team, pedicle: str) -> TargetResult:
+    """The whole procedure for one planned pedicle; DemoFailed or Refused where it does not go on."""
+    started_s, images = team.teller.elapsed_s(), int(team.operator.status()["images"])
+    _bring_guide_in(team, pedicle)
+    _choose_target(team, pedicle)
+    moved, verified = _aim(team, pedicle)
+    _insert(team)
+    move(team.surgeon, team.pin, team.teller, "retreat", distance_mm=_CLEARANCE_MM)
+    exposures = int(team.operator.status()["images"]) - images
+    return TargetResult(pedicle, moved, verified, exposures, team.teller.elapsed_s() - started_s)
+
+
+def _bring_guide_in(team: Team, pedicle: str) -> None:
+    """C-arm into the view, guide stated empty, arm into the beam by eye."""
+    turn_carm(team.operator, team.door, pedicle, team.teller)
+    team.operator.command("guide-state-stated", guide="empty")
+    goal = team.door.approach_to(pedicle)
+    move(team.surgeon, team.pin, team.teller, "approach", base_from_goal=goal)
+
+
+def _choose_target(team: Team, pedicle: str) -> None:
+    """Register, tap what the surgeon sees, look at what the service understood, confirm."""
+    image_id = take_registration(team.operator, team.door, team.teller)["data"]["image_id"]
+    pixel_px = team.door.pixel_of(pedicle)
+    team.surgeon.status()
+    echo = team.surgeon.echo(image_id, pixel_px)
+    off_px = max(abs(seen - tapped) for seen, tapped in zip(echo["raw_px"], pixel_px, strict=True))
+    if off_px > _ECHO_WITHIN_PX:
+        raise DemoFailed("echo_elsewhere", f"drawn back {off_px:.2f} px from where it was tapped")
+    answer = team.surgeon.command("target-confirmed", echo_id=echo["echo_id"], planned_target=pedicle)
+    predicted = answer["detail"]["targeting"]["predicted_error_95"]
+    team.teller.tell(
+        f"target at ({pixel_px[0]:.1f}, {pixel_px[1]:.1f}) px, echo seen and confirmed, "
+        f"predicted within {predicted['angle_deg']:.3f} deg and {predicted['position_mm']:.3f} mm"
+    )
+
+
+def _aim(team: Team, pedicle: str) -> tuple[tuple[Moved, ...], tuple[Verified, ...]]:
+    """Move and verify, then correct from the verification image, until error and bound are within the limits."""
+    moved = [move(team.surgeon, team.pin, team.teller, "targeting")]
+    verified = [_verify(team, pedicle)]
+    while not verified[-1].passed:
+        if len(moved) > _CORRECTIONS:
+            raise DemoFailed("off_target", f"{pedicle} is still off after {_CORRECTIONS} corrections")
+        team.surgeon.status()
+        team.surgeon.command("correction-requested", reason="error and bound exceed the limits")
+        moved.append(move(team.surgeon, team.pin, team.teller, "corrective"))
+        verified.append(_verify(team, pedicle))
+    return tuple(moved), tuple(verified)
+
+
+def _verify(team: Team, pedicle: str) -> Verified:
+    event = take_verification(team.operator, team.door, team.teller)
+    result = _figures(event, team.door, pedicle)
+    team.teller.tell(
+        f"{event['state']}: {result.contour_deg:.3f} deg and {result.contour_mm:.3f} mm "
+        f"(bounds {result.bound_deg:.3f}, {result.bound_mm:.3f}); "
+        f"paper {result.paper_deg:.3f}, {result.paper_mm:.3f}; true {result.true.angle_deg:.3f}, "
+        f"{result.true.position_mm:.3f}"
+    )
+    return result
+
+
+def _figures(event: Json, door: Door, pedicle: str) -> Verified:
+    contour, paper = event["data"]["contour"], event["data"]["paper"]
+    bounds = contour["predicted_error_95"]
+    return Verified(
+        passed=event["state"] == "verified",
+        contour_deg=contour["angle_error_deg"],
+        contour_mm=contour["position_error_mm"],
+        bound_deg=bounds["angle_deg"],
+        bound_mm=bounds["position_mm"],
+        paper_deg=paper["angle_error_deg"],
+        paper_mm=paper["position_error_mm"],
+        true=door.true_error(pedicle),
+    )
+
+
+def _insert(team: Team) -> None:
+    """The arm locked, the sleeve in, the sleeve out: the guide is empty again."""
+    team.surgeon.status()
+    team.surgeon.command("insertion-started", pin=team.pin)
+    team.operator.command("sleeve-in")
+    team.operator.command("sleeve-removed", guide="empty")
+    alarms = team.surgeon.status()["alarms"]
+    if alarms:
+        raise DemoFailed(alarms[0], "something moved while the sleeve was in")
+    team.surgeon.command("target-done", placed=True)
+    team.teller.tell("arm locked, sleeve in, wire placed, sleeve out, guide stated empty, target done")
