@@ -1,5 +1,6 @@
 """A guard without a controller, and a client without a guard."""
 
+import time
 from pathlib import Path
 
 import pytest
@@ -83,6 +84,8 @@ def test_listener_that_fails_does_not_end_the_supervision(controller: Controller
 
     client = GuardClient(GuardConfig(controller.address, tmp_path), fail)
     client.start()
-    while len(heard) < 10:
-        pass
+    deadline_s = time.monotonic() + 15.0
+    while len(heard) < 10 and time.monotonic() < deadline_s:
+        time.sleep(0.01)
+    assert len(heard) >= 10
     client.close()

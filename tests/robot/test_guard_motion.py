@@ -48,8 +48,8 @@ def test_second_motion_starts_right_after_the_first(bench) -> None:
     bench.hold("permit-1")
     bench.client.begin_move(bench.order(step_mm=3.0))
     assert bench.told(MotionEnded).cause is EndCause.ARRIVED
-    bench.hold("permit-2")
-    bench.client.begin_move(bench.order("permit-2", step_mm=-3.0, duration_s=1.0))
+    bench.hold("permit-b")
+    bench.client.begin_move(bench.order("permit-b", step_mm=-3.0, duration_s=1.0))
     bench.until(lambda: bench.count(MotionEnded) == 2, 8.0)
     assert bench.told(MotionEnded).cause is EndCause.ARRIVED
 
@@ -57,7 +57,7 @@ def test_second_motion_starts_right_after_the_first(bench) -> None:
 def test_release_stops_the_arm_and_leaves_the_guard_idle(bench) -> None:
     bench.move()
     at_s = time.monotonic()
-    bench.client.heartbeat(Heartbeat("permit-1", 10_000, bench.status.challenge, False))
+    bench.client.heartbeat(Heartbeat(bench.permit_id, 10_000, bench.status.challenge, False))
     ended = bench.told(MotionEnded)
     assert ended.cause is EndCause.RELEASED
     assert ended.at_rest
@@ -160,8 +160,8 @@ def test_guard_whose_library_hangs_on_frozen_answers_is_replaced_and_serves_agai
     bench.controller.clear()
     bench.until(bench.sees_the_arm, 15.0)
     bench.client.acknowledge()
-    bench.hold("permit-2")
-    bench.client.begin_move(bench.order("permit-2", step_mm=2.0))
+    bench.hold("permit-b")
+    bench.client.begin_move(bench.order("permit-b", step_mm=2.0))
     bench.until(lambda: bench.count(MotionEnded) == 2, 8.0)
     assert bench.told(MotionEnded).cause is EndCause.ARRIVED
 

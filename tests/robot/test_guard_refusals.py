@@ -44,7 +44,7 @@ def test_motion_without_any_heartbeat_is_refused_without_a_packet(bench) -> None
 
 def test_motion_under_another_permit_than_the_held_one_is_refused(bench) -> None:
     bench.hold("permit-1")
-    refused(bench, bench.order("permit-2"), RefusalCode.NO_LIVE_HEARTBEAT)
+    refused(bench, bench.order("permit-b"), RefusalCode.NO_LIVE_HEARTBEAT)
 
 
 def test_motion_under_a_hold_that_was_let_go_is_refused(bench) -> None:
@@ -91,16 +91,16 @@ def test_guard_that_was_stopped_refuses_until_acknowledged(bench) -> None:
     bench.hold("permit-1")
     refused(bench, bench.order(), RefusalCode.GUARD_HELD)
     bench.client.acknowledge()
-    bench.hold("permit-2")
-    bench.client.begin_move(bench.order("permit-2", step_mm=2.0))
+    bench.hold("permit-b")
+    bench.client.begin_move(bench.order("permit-b", step_mm=2.0))
     assert bench.told(MotionEnded).cause is EndCause.ARRIVED
 
 
 def test_second_motion_while_one_runs_is_refused_and_changes_nothing(bench) -> None:
     bench.move()
-    bench.client.begin_move(bench.order("permit-2"))
+    bench.client.begin_move(bench.order("permit-b"))
     assert bench.told(MoveRefused).refusal.code is RefusalCode.MOTION_RUNNING
-    bench.client.heartbeat(Heartbeat("permit-1", 10_000, bench.status.challenge, False))
+    bench.client.heartbeat(Heartbeat(bench.permit_id, 10_000, bench.status.challenge, False))
     assert bench.told(MotionEnded).cause is EndCause.RELEASED
 
 
@@ -128,8 +128,8 @@ def test_arm_switched_off_and_on_is_a_fault_once_and_then_serves_again(bench) ->
     refused(bench, bench.order(), RefusalCode.ARM_NOT_READY)
     bench.controller.release()
     bench.until(lambda: bench.status.arm.safety.value == "normal", 2.0)
-    bench.hold("permit-2")
-    bench.client.begin_move(bench.order("permit-2", step_mm=2.0))
+    bench.hold("permit-b")
+    bench.client.begin_move(bench.order("permit-b", step_mm=2.0))
     assert bench.told(MotionEnded).cause is EndCause.ARRIVED
     assert bench.count(Fault) == 1
 
