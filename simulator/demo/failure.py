@@ -37,7 +37,7 @@ def explain(error: DemoFailed | Refused | httpx.HTTPError | TimeoutError) -> str
     match error:
         case Refused():
             compared = "" if error.measured is None else f" (measured {error.measured}, limit {error.limit})"
-            return f"{error.code}: {error.detail}{compared}. {error.what_to_do}"
+            return f"{error.code}: {error.detail}{compared}. {error.what_to_do}".rstrip(".")
         case httpx.HTTPError():
             return f"no_answer: {type(error).__name__} {error}"
         case TimeoutError():

@@ -9,7 +9,8 @@ from simulator.demo.door_client import PlannedPedicle
 from simulator.demo.failure import DemoFailed
 from simulator.demo.results import TargetResult
 from simulator.demo.stage import Stage
-from simulator.demo.targeting import Team, place_sleeve
+from simulator.demo.targeting import place_sleeve
+from simulator.demo.team import Team
 from simulator.demo.telling import Teller
 
 _ARM_WITHIN_S = 30.0

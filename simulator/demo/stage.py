@@ -16,7 +16,7 @@ from simulator.demo.telling import Teller
 
 _UP_WITHIN_S = 60.0
 _DEVICES = Path(__file__).parents[1] / "devices"
-DEVICE_KINDS = ("guide", "carm", "tcp")
+_DEVICE_FILES = {"guide": "guide.toml", "carm": "carm-intensifier.toml", "tcp": "tcp.toml"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,8 +104,8 @@ def _service(plan: _Plan) -> Child:
 
 def _upload_devices(stage: Stage) -> None:
     with stage.sign_in("engineer") as engineer:
-        for kind in DEVICE_KINDS:
-            engineer.upload_device(kind, (_DEVICES / f"{kind}.toml").read_bytes())
+        for kind, file in _DEVICE_FILES.items():
+            engineer.upload_device(kind, (_DEVICES / file).read_bytes())
 
 
 def _free_port() -> int:

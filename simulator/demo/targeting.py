@@ -1,30 +1,16 @@
 """One target: from the C-arm's view to the sleeve, with as many corrections as the limits ask for."""
 
-from dataclasses import dataclass
-
-from service.client import Case
 from simulator.demo.door_client import Door
 from simulator.demo.failure import DemoFailed
 from simulator.demo.imaging import take_registration, take_verification, turn_carm
 from simulator.demo.moving import move
 from simulator.demo.results import Moved, TargetResult, Verified
-from simulator.demo.telling import Teller
+from simulator.demo.team import Team
 from simulator.demo.watching import Json
 
 _ECHO_WITHIN_PX = 0.5  # H08
 _CORRECTIONS = 3
 _CLEARANCE_MM = 60.0  # along the guide's axis, before the C-arm turns
-
-
-@dataclass(frozen=True, slots=True)
-class Team:
-    """Surgeon and radiographer at one case, and the room they stand in."""
-
-    surgeon: Case
-    operator: Case
-    pin: str
-    door: Door
-    teller: Teller
 
 
 def place_sleeve(team: Team, pedicle: str) -> TargetResult:
@@ -34,22 +20,22 @@ def place_sleeve(team: Team, pedicle: str) -> TargetResult:
     _choose_target(team, pedicle)
     moved, verified = _aim(team, pedicle)
     _insert(team)
-    move(team.surgeon, team.pin, team.teller, "retreat", distance_mm=_CLEARANCE_MM)
+    move(team, "retreat", distance_mm=_CLEARANCE_MM)
     exposures = int(team.operator.status()["images"]) - images
     return TargetResult(pedicle, moved, verified, exposures, team.teller.elapsed_s() - started_s)
 
 
 def _bring_guide_in(team: Team, pedicle: str) -> None:
     """C-arm into the view, guide stated empty, arm into the beam by eye."""
-    turn_carm(team.operator, team.door, pedicle, team.teller)
+    turn_carm(team, pedicle)
     team.operator.command("guide-state-stated", guide="empty")
     goal = team.door.approach_to(pedicle)
-    move(team.surgeon, team.pin, team.teller, "approach", base_from_goal=goal)
+    move(team, "approach", base_from_goal=goal)
 
 
 def _choose_target(team: Team, pedicle: str) -> None:
     """Register, tap what the surgeon sees, look at what the service understood, confirm."""
-    image_id = take_registration(team.operator, team.door, team.teller)["data"]["image_id"]
+    image_id = take_registration(team)["data"]["image_id"]
     pixel_px = team.door.pixel_of(pedicle)
     team.surgeon.status()
     echo = team.surgeon.echo(image_id, pixel_px)
@@ -66,20 +52,20 @@ def _choose_target(team: Team, pedicle: str) -> None:
 
 def _aim(team: Team, pedicle: str) -> tuple[tuple[Moved, ...], tuple[Verified, ...]]:
     """Move and verify, then correct from the verification image, until error and bound are within the limits."""
-    moved = [move(team.surgeon, team.pin, team.teller, "targeting")]
+    moved = [move(team, "targeting")]
     verified = [_verify(team, pedicle)]
     while not verified[-1].passed:
         if len(moved) > _CORRECTIONS:
             raise DemoFailed("off_target", f"{pedicle} is still off after {_CORRECTIONS} corrections")
         team.surgeon.status()
         team.surgeon.command("correction-requested", reason="error and bound exceed the limits")
-        moved.append(move(team.surgeon, team.pin, team.teller, "corrective"))
+        moved.append(move(team, "corrective"))
         verified.append(_verify(team, pedicle))
     return tuple(moved), tuple(verified)
 
 
 def _verify(team: Team, pedicle: str) -> Verified:
-    event = take_verification(team.operator, team.door, team.teller)
+    event = take_verification(team)
     result = _figures(event, team.door, pedicle)
     team.teller.tell(
         f"{event['state']}: {result.contour_deg:.3f} deg and {result.contour_mm:.3f} mm "
