@@ -132,13 +132,14 @@ def fit_contour(view: View, guide: Guide, observations: Observations, priors: Pr
         With covariance; nothing here is judged.
     """
     weight = np.ones(len(observations.along))
-    noise_px = 0.3
+    noise_px, correlation = 0.3, 1.0
     for _ in range(4):
-        view, guide = _solve(view, guide, observations, priors, weight, noise_px)
+        # correlated points are worth fewer: with all of them counted in full the priors would be overruled
+        view, guide = _solve(view, guide, observations, priors, weight, noise_px * float(np.sqrt(correlation)))
         residual = _residual(view, guide, observations)
         noise_px = max(LEAST_NOISE_PX, 1.4826 * float(np.median(np.abs(residual))))
         weight = np.clip(1.0 - (residual / (_TUKEY * noise_px)) ** 2, 0.0, None) ** 2
-    correlation = _correlation(residual, weight, observations)
+        correlation = _correlation(residual, weight, observations)
     covariance = _covariance(view, guide, observations, priors, weight, noise_px, correlation, plate)
     return ContourFit(view, guide, residual, weight, noise_px, correlation, priors.pulls(view, guide), covariance)
 
