@@ -26,21 +26,27 @@ def failed_motion(kind: str, ended: HoldEnded) -> DemoFailed:
 def failed_verdicts(verdicts: list[dict[str, Any]]) -> str:
     """Every interlock that refused, with what it measured."""
     failed = [verdict for verdict in verdicts if not verdict["passed"]]
-    return "; ".join(
-        f"{one['code']} ({one['hazard']}): {one['message']}, measured {one['measured']}, limit {one['limit']}"
-        for one in failed
-    )
+    return "; ".join(f"{one['code']} ({one['hazard']}): {one['message']}, {measured(one)}" for one in failed)
+
+
+def measured(verdict: dict[str, Any]) -> str:
+    """The measured value beside its limit."""
+    return f"measured {_short(verdict['measured'])}, limit {_short(verdict['limit'])}"
 
 
 def explain(error: DemoFailed | Refused | httpx.HTTPError | TimeoutError) -> str:
     """One line: code, text, measured value and limit, what to do."""
     match error:
         case Refused():
-            compared = "" if error.measured is None else f" (measured {error.measured}, limit {error.limit})"
-            return f"{error.code}: {error.detail}{compared}. {error.what_to_do}".rstrip(".")
+            reasons = failed_verdicts(error.verdicts)
+            return f"{error.code}: {reasons or error.detail}. {error.what_to_do}".rstrip(".")
         case httpx.HTTPError():
             return f"no_answer: {type(error).__name__} {error}"
         case TimeoutError():
             return f"too_late: {error}"
         case DemoFailed():
             return str(error)
+
+
+def _short(value: object) -> object:
+    return f"{value:.4g}" if isinstance(value, float) else value

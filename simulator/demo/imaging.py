@@ -1,6 +1,6 @@
 """The radiographer's part: the C-arm turned and confirmed, exposures requested and made."""
 
-from simulator.demo.failure import DemoFailed
+from simulator.demo.failure import DemoFailed, measured
 from simulator.demo.team import Team
 from simulator.demo.watching import Json, await_event, why
 
@@ -54,6 +54,5 @@ def _expose(team: Team, wanted: tuple[str, ...]) -> Json:
 def _refused(team: Team, event: Json, text: str) -> DemoFailed:
     reason = event["data"].get("reason")
     if reason is not None:
-        measured = f"measured {reason['measured']}, limit {reason['limit']}"
-        return DemoFailed(str(reason["code"]), f"{text}: {reason['message']}, {measured}")
+        return DemoFailed(str(reason["code"]), f"{text}: {reason['message']}, {measured(reason)}")
     return DemoFailed("interlock_refused", f"{text}: {why(team.surgeon, event['trigger'])}")
