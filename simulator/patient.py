@@ -49,7 +49,8 @@ def build_patient(seed: int) -> Patient:
             (Texture(seed + 2, 50.0, 0.6, 1.1), 0.05),
         ),
     )
-    planned = [_plan(level, name, side) for level in LEVELS for name, side in (("left", 1.0), ("right", -1.0))]
+    sides = (("left", 1.0), ("right", -1.0))
+    planned = [_plan(level, name, side) for level in LEVELS for name, side in sides]
     return Patient(body, {pedicle.name: pedicle for pedicle in planned})
 
 

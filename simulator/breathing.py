@@ -1,0 +1,17 @@
+"""How far the patient is from the mean place at a moment."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from simulator.truth import PatientTruth
+
+Array = NDArray[np.float64]
+
+# Prone on a table the back rises and falls, and the spine slides a little along.
+_ALONG = np.array([0.0, 0.9, 0.436])  # unit direction, patient frame
+
+
+def breathing_shift(truth: PatientTruth, time_s: float) -> Array:
+    """Displacement (3,) in the patient frame, mm."""
+    shift: Array = truth.breathing_mm * np.sin(2.0 * np.pi * time_s / truth.breathing_period_s) * _ALONG
+    return shift
