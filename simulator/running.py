@@ -1,9 +1,12 @@
 """The room's process: opens everything, says where, serves the door until it is told to end."""
 
+import signal
 import socket
 import sys
+from types import FrameType
 
 import uvicorn
+from fastapi import FastAPI
 
 from simulator.carm.sending import Destination
 from simulator.door import create_door
@@ -18,19 +21,28 @@ def run(arm_address: str, port: int, destination: Destination, truth: Truth) -> 
     """Serve until SIGINT or SIGTERM; OSError if an address or port is taken, ValueError if it is no loopback one."""
     if not arm_address.startswith("127."):
         raise ValueError(f"{arm_address} is no loopback address: a simulated arm must not be mistaken for a real one")
-    with (
-        socket.create_server((_DOOR_HOST, port)) as listening,
-        open_room(arm_address, destination, truth) as opened,
-    ):
-        _tell(f"Arm at {arm_address}")
-        _tell(f"Images go to {destination.ae_title} {destination.host}:{destination.port}")
-        _tell(f"Room listens on http://{_DOOR_HOST}:{listening.getsockname()[1]}")
-        door = create_door(opened.room, opened.pedal)
-        config = uvicorn.Config(
-            door, log_level="warning", access_log=False, timeout_graceful_shutdown=_SHUTDOWN_GRACE_S
-        )
-        uvicorn.Server(config).run(sockets=[listening])
-    _tell("Room ended")
+    for ending in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(ending, _end)  # the server puts it back when it has ended, and raises the signal again
+    try:
+        with (
+            socket.create_server((_DOOR_HOST, port)) as listening,
+            open_room(arm_address, destination, truth) as opened,
+        ):
+            _tell(f"Arm at {arm_address}")
+            _tell(f"Images go to {destination.ae_title} {destination.host}:{destination.port}")
+            _tell(f"Room listens on http://{_DOOR_HOST}:{listening.getsockname()[1]}")
+            _serve(create_door(opened.room, opened.pedal), listening)
+    except KeyboardInterrupt:
+        _tell("Room ended")
+
+
+def _serve(door: FastAPI, listening: socket.socket) -> None:
+    config = uvicorn.Config(door, log_level="warning", access_log=False, timeout_graceful_shutdown=_SHUTDOWN_GRACE_S)
+    uvicorn.Server(config).run(sockets=[listening])
+
+
+def _end(_number: int, _frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
 
 
 def _tell(line: str) -> None:
