@@ -51,12 +51,12 @@ class Pedal:
             raise NoImageError("nothing has been exposed yet")
         return self._newest
 
-    def press(self) -> tuple[Taken, Sent]:
-        """Take an image and send it, or send the newest again if that fault is planted."""
+    def press(self, worklist: Worklist | None = None) -> tuple[Taken, Sent]:
+        """Take an image and send it, for the C-arm's worklist or another; a fault may send the newest again."""
         with self._lock:
             faults = self.room.faults
             if RoomFault.RESEND_OLD_IMAGE not in faults or self._newest is None:
-                self._newest = self._expose(faults)
+                self._newest = self._expose(faults, worklist or self.worklist)
             broken = RoomFault.TRUNCATED_ASSOCIATION in faults
             sent = (send_truncated if broken else send)(self._newest.dataset, self.destination)
             return self._newest, sent
@@ -72,7 +72,7 @@ class Pedal:
         middle = (taken.scale - 1.0) / 2.0  # pixel centres: a stored pixel's centre lies between the rendered ones
         return float(u * taken.scale + middle), float(v * taken.scale + middle)
 
-    def _expose(self, faults: frozenset[RoomFault]) -> Taken:
+    def _expose(self, faults: frozenset[RoomFault], worklist: Worklist) -> Taken:
         self.exposures += 1
         scene = self.room.scene()
         pixels = np.asarray(render(scene, seed=self.room.truth.seed + self.exposures).pixels, dtype=np.uint16)
@@ -81,7 +81,7 @@ class Pedal:
             pixels = np.ascontiguousarray(pixels[:, ::-1])
         if scale != 1.0:
             pixels = np.asarray(cv2.resize(pixels, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA))
-        return Taken(scene, xa_image(self._frame(pixels), self._on_worklist(faults)), mirrored, scale)
+        return Taken(scene, xa_image(self._frame(pixels), _wrong(worklist, faults)), mirrored, scale)
 
     def _frame(self, pixels: NDArray[np.uint16]) -> Frame:
         nominal, truth = self.room.nominal, self.room.truth
@@ -98,10 +98,11 @@ class Pedal:
             dose_share=self.room.dose_share,
         )
 
-    def _on_worklist(self, faults: frozenset[RoomFault]) -> Worklist:
-        worklist = self.worklist
-        if RoomFault.FOREIGN_PATIENT in faults:
-            worklist = replace(worklist, patient_id=FOREIGN_PATIENT_ID, patient_name=FOREIGN_PATIENT_NAME)
-        if RoomFault.WRONG_STUDY in faults:
-            worklist = replace(worklist, study_uid=str(generate_uid(prefix=None)))
-        return worklist
+
+def _wrong(worklist: Worklist, faults: frozenset[RoomFault]) -> Worklist:
+    """The entry under which an image really goes out."""
+    if RoomFault.FOREIGN_PATIENT in faults:
+        worklist = replace(worklist, patient_id=FOREIGN_PATIENT_ID, patient_name=FOREIGN_PATIENT_NAME)
+    if RoomFault.WRONG_STUDY in faults:
+        worklist = replace(worklist, study_uid=str(generate_uid(prefix=None)))
+    return worklist

@@ -30,6 +30,14 @@ class Study(Body):
     patient_name: Annotated[str, Field(min_length=1, max_length=64)] = "Simulated^Patient"
 
 
+class Override(Body):
+    """What is wrong or different for one image."""
+
+    patient_id: Annotated[str, Field(min_length=1, max_length=64)] | None = None
+    study_uid: Annotated[str, Field(pattern=r"^[0-9.]{1,64}$")] | None = None
+    patient_name: Annotated[str, Field(min_length=1, max_length=64)] | None = None
+
+
 class Jog(Body):
     """Joint steps, or a straight step of the TCP in base coordinates; exactly one of them."""
 

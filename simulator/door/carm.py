@@ -1,5 +1,6 @@
 """The radiographer's hands: worklist, position, pedal."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,7 @@ from fastapi import APIRouter
 
 from simulator.carm.dicom import Worklist
 from simulator.carm.geometry import Angles
-from simulator.door.bodies import CarmPosition, Study
+from simulator.door.bodies import CarmPosition, Override, Study
 from simulator.pedal import Pedal
 from simulator.room import Room
 
@@ -31,11 +32,10 @@ def router(room: Room, pedal: Pedal) -> APIRouter:
         return {"from_vertical_deg": np.rad2deg(angles.from_vertical_rad).tolist()}
 
     @routes.post("/expose")
-    def expose(body: Study | None = None) -> Json:
-        """Take an image and send it; a study given here counts from now on."""
-        if body is not None:
-            pedal.worklist = Worklist.of(body.patient_id, body.patient_name, body.study_uid)
-        taken, sent = pedal.press()
+    def expose(body: Override | None = None) -> Json:
+        """Take an image and send it, under the worklist's entry or, for this one image, under what the body says."""
+        override = {} if body is None else body.model_dump(exclude_none=True)
+        taken, sent = pedal.press(replace(pedal.worklist, **override))
         return {
             "sop_uid": str(taken.dataset.SOPInstanceUID),
             "number": int(taken.dataset.InstanceNumber),
