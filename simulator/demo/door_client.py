@@ -47,13 +47,15 @@ class Door:
             for one in answer["pedicles"]
         ]
 
-    def position_carm(self, primary_deg: float, secondary_deg: float) -> None:
-        """Turn the C-arm, as a radiographer would."""
-        self._post("/carm/position", {"primary_deg": primary_deg, "secondary_deg": secondary_deg})
+    def position_carm(self, primary_deg: float, secondary_deg: float, pedicle: str) -> None:
+        """Turn the C-arm and centre it on a pedicle, as a radiographer would."""
+        self._post("/carm/position", {"primary_deg": primary_deg, "secondary_deg": secondary_deg, "pedicle": pedicle})
 
-    def expose(self) -> Json:
-        """Press the pedal: the image goes out by DICOM."""
-        return self._post("/expose", {})
+    def expose(self) -> None:
+        """Press the pedal: the image goes out by DICOM; DemoFailed if the receiver does not take it."""
+        sent = self._post("/expose", {})
+        if not sent["accepted"]:
+            raise DemoFailed("image_not_accepted", f"status {sent['status']}: {sent['detail']}")
 
     def pixel_of(self, pedicle: str) -> tuple[float, float]:
         """Where a surgeon sees the pedicle in the newest image, raw pixels."""

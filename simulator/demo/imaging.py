@@ -15,7 +15,7 @@ def turn_carm(team: Team, pedicle: str) -> None:
     primary_deg, secondary_deg = angles["primary_angle_deg"], angles["secondary_angle_deg"]
     operator.command("carm-moved", what=f"view for {pedicle}")
     with team.teller.doing("the C-arm turns"):
-        team.door.position_carm(primary_deg, secondary_deg)
+        team.door.position_carm(primary_deg, secondary_deg, pedicle)
     operator.status()
     operator.command("carm-position-confirmed")
     team.teller.tell(f"C-arm at {primary_deg:.1f} / {secondary_deg:.1f} deg: {angles['words']}")

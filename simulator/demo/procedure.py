@@ -40,9 +40,9 @@ def _open_case(
     room = stage.door.room()
     case = surgeon.open_case(
         {
-            "patient_id": room["patient_id"],
+            "patient_id": room["patient"]["id"],
             "study_uid": room["study_uid"],
-            "position": room["position"],
+            "position": room["patient"]["position"],
             "targets": [
                 {"name": one.name, "entry_mm": list(one.entry_mm), "target_mm": list(one.target_mm)} for one in pedicles
             ],

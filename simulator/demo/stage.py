@@ -13,10 +13,10 @@ from simulator.demo.door_client import Door
 from simulator.demo.failure import DemoFailed
 from simulator.demo.people import Person, add_person, draw_people
 from simulator.demo.telling import Teller
+from simulator.devices import GUIDE_FILE, INTENSIFIER_FILE, TCP_FILE
 
 _UP_WITHIN_S = 60.0
-_DEVICES = Path(__file__).parents[1] / "devices"
-_DEVICE_FILES = {"guide": "guide.toml", "carm": "carm-intensifier.toml", "tcp": "tcp.toml"}
+_DEVICE_FILES = {"guide": GUIDE_FILE, "carm": INTENSIFIER_FILE, "tcp": TCP_FILE}
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ def _service(plan: _Plan) -> Child:
 def _upload_devices(stage: Stage) -> None:
     with stage.sign_in("engineer") as engineer:
         for kind, file in _DEVICE_FILES.items():
-            engineer.upload_device(kind, (_DEVICES / file).read_bytes())
+            engineer.upload_device(kind, file.read_bytes())
 
 
 def _free_port() -> int:
