@@ -1,6 +1,7 @@
 """An image arrived: whose it is, whether it was asked for, what it is for (H01, H02, H04, H28)."""
 
 import math
+import re
 from dataclasses import asdict
 from typing import Any
 
@@ -16,6 +17,9 @@ from service.motion.exposures import Exposure
 from workflow.decisions import Decision, ImageUse
 from workflow.facts import ImageArrived
 from workflow.triggers import Trigger
+
+# HHMMSS.FFFFFF; a sender's time of another form is no time, and must not end the taking in of images.
+_TIME = re.compile(r"([0-9]{2})([0-9]{2})([0-9]{2}(?:\.[0-9]{0,6})?)")
 
 
 def take_in(conductor: Conductor, image_id: str) -> Taken | None:
@@ -92,9 +96,9 @@ def _carm_time(metadata: Any) -> tuple[str, float] | None:
     """Date and seconds of the acquisition, of the content where the acquisition is not told."""
     for kind in ("acquisition", "content"):
         day, time = metadata.get(f"{kind}_date"), metadata.get(f"{kind}_time")
-        if day and time and time[:6].isdigit():
-            seconds = int(time[:2]) * 3600 + int(time[2:4]) * 60 + float(time[4:])
-            return (str(day), seconds) if math.isfinite(seconds) else None
+        if day and time and (told := _TIME.fullmatch(time.strip())):
+            hours, minutes, seconds = told.groups()
+            return str(day), int(hours) * 3600 + int(minutes) * 60 + float(seconds)
     return None
 
 
