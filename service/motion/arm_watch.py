@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from robot.arm import ArmState
 from robot.frames import Transform, distance_between
-from robot.guard.messages import EndCause, Event, MotionEnded, MotionStarted, Phase, Status
+from robot.guard.messages import EndCause, Event, Fault, FaultKind, MotionEnded, MotionStarted, Phase, Status
 from robot.guard.rest import is_slow
 from service.motion.displacement import Displacement, DisplacementLedger
 from service.motion.exposures import Exposure, Exposures
@@ -56,6 +56,8 @@ class ArmWatch:
                     self._ledger.end_motion(event.arm)
                     arrived = event.cause is EndCause.ARRIVED and event.arm is not None
                     self._base_from_rest = event.arm.base_from_tcp if arrived and event.arm else None
+                case Fault(kind=FaultKind.GUARD_LOST):
+                    self._ledger.lose_motion()
                 case _:
                     return
             self._changed.notify_all()

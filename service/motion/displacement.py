@@ -51,6 +51,11 @@ class DisplacementLedger:
         self._base_from_anchor = None if left is None else left.base_from_tcp
         self._losses += left is None
 
+    def lose_motion(self) -> None:
+        """Nobody will tell how a motion under way ends: it has left the arm nobody knows where."""
+        if self._moving:
+            self.end_motion(None)
+
     def begin_stretch(self, reading: ArmState) -> Baseline:
         """Close the stretch at this reading; the total up to it."""
         self._close(reading.base_from_tcp)
