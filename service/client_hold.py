@@ -72,6 +72,11 @@ class Hold:
         for thread in self._threads:
             thread.join(5.0)
 
+    @property
+    def is_over(self) -> bool:
+        """Whether the motion has ended, or the connection."""
+        return self._over.is_set()
+
     def release(self) -> None:
         """Let go: said at once, not only by silence."""
         self._held = False

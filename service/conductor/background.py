@@ -62,7 +62,14 @@ async def _supervised(work: Coroutine[Any, Any, None]) -> None:
         raise
 
 
+# A guard that a crowded machine does not run for a second is not dead. In a motion the controller's own watchdog, fed
+# by nobody meanwhile, has long stopped the arm.
+_GUARD_SILENT_S = 2.5
+
+
 def _guard_config(parts: Parts) -> GuardConfig | None:
     address = parts.settings.arm_address
     folder = parts.settings.data_folder / "guard"
-    return None if address is None else GuardConfig(arm_address=address, journal_folder=folder)
+    if address is None:
+        return None
+    return GuardConfig(arm_address=address, journal_folder=folder, silent_after_s=_GUARD_SILENT_S)

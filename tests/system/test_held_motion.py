@@ -1,30 +1,133 @@
 """A held motion through service and guard to a controller, and every way that it ends."""
 
+import time
+
 import numpy as np
 import pytest
 
-from service.client import Case
+from service.client import Refused
+from simulator.controller import Fault
+
+PIN = "2468"
 
 
-def _approach(case: Case, lift_mm: float = 20.0) -> dict:
-    pose = np.array(case.status()["arm"]["base_from_tcp"])
-    # The parked guide points straight down: half a turn about x, as its rotation vector.
-    vector_deg = np.rad2deg(_rotation_vector(pose[:3, :3]))
-    goal = {"translation_mm": list(pose[:3, 3] + [0.0, 0.0, lift_mm]), "rotation_vector_deg": list(vector_deg)}
-    return case.plan("approach", base_from_goal=goal)
+def _joints(controller) -> np.ndarray:
+    return np.array(controller.state().joints_rad)
 
 
-def _rotation_vector(rotation: np.ndarray) -> np.ndarray:
-    from scipy.spatial.transform import Rotation
+@pytest.fixture
+def held(case, lift, controller, until):
+    """A motion under way: 60 mm, three seconds. A crowded machine may lose the hold; then the hand presses again."""
+    for _ in range(4):
+        with case.hold(case.approve(lift(60.0), PIN)) as hold:
+            until(lambda hold=hold: controller.state().tcp_speed_mm_s > 10.0 or hold.is_over)
+            if not hold.is_over:
+                yield hold
+                return
+        case.wait_for("safe_hold")
+        case.command("acknowledged", guide="empty")
+    pytest.fail("the machine is too busy to hold a button for a second")
 
-    return Rotation.from_matrix(rotation).as_rotvec()
+
+def _comes_to_rest(controller, until) -> None:
+    """Within the time of a stop, with no program left that could go on."""
+    until(lambda: not controller.state().moving, 2.0)
+    before = _joints(controller)
+    time.sleep(0.5)
+    assert np.array_equal(before, _joints(controller))
+    assert controller.state().program == ""
 
 
-def test_an_approved_and_held_approach_arrives(case: Case) -> None:
-    plan = _approach(case)
+def test_an_approved_and_held_approach_arrives_and_is_recorded_with_its_trajectory(case, lift) -> None:
+    plan = lift(20.0)
     assert plan["detail"]["length_mm"] == pytest.approx(20.0, abs=0.01)
-    with case.hold(case.approve(plan, "2468")) as hold:
+    with case.hold(case.approve(plan, PIN)) as hold:
         ended = hold.wait(30.0)
     assert ended.cause == "arrived"
-    assert ended.distance_mm < 0.1
+    assert ended.distance_mm < 0.1  # the guard's own limit of an arrival
     assert case.status()["state"] == "case_open"
+    missed = next(event for event in case.record() if event["trigger"] in ("arrived", "missed"))
+    assert missed["data"]["trajectory_samples"] > 100
+
+
+def test_letting_go_stops_the_arm_and_needs_no_acknowledgement(case, held, controller, until) -> None:
+    held.release()
+    assert held.wait(5.0).cause == "released"
+    _comes_to_rest(controller, until)
+    assert case.status()["state"] == "case_open"
+
+
+def test_silence_stops_the_arm_and_holds_the_case(case, held, controller, until) -> None:
+    held.fall_silent()
+    assert held.wait(5.0).cause == "heartbeat_lost"
+    _comes_to_rest(controller, until)
+    status = case.status()
+    assert (status["state"], status["held_for"]) == ("safe_hold", "heartbeat_lost")
+
+
+def test_a_stop_ends_the_motion_for_good(case, held, controller, until) -> None:
+    case.stop()
+    assert held.wait(5.0).cause == "stopped"
+    _comes_to_rest(controller, until)
+    assert case.status()["held_for"] == "stop"
+    case.command("acknowledged", guide="empty")
+    _comes_to_rest(controller, until)
+    assert case.status()["chain"]["permit"] is None
+
+
+def test_taking_control_from_a_moving_arm_stops_it_first(case, held, service, controller, until) -> None:
+    with service.sign_in() as second:
+        second.case(case.id).take_lease("taking over")
+    assert held.wait(5.0).cause == "stopped"
+    _comes_to_rest(controller, until)
+    assert case.status()["state"] == "safe_hold"
+
+
+def test_an_instrument_stated_during_a_motion_stops_it(case, held, controller, until) -> None:
+    case.command("guide-state-stated", guide="instrument")
+    _comes_to_rest(controller, until)
+    assert case.status()["state"] == "safe_hold"
+
+
+@pytest.mark.parametrize(
+    ("fault", "cause"),
+    [
+        (Fault.PROTECTIVE_STOP, "protective_stop"),
+        (Fault.SAFEGUARD_STOP, "safeguard_stop"),
+        (Fault.ROBOT_EMERGENCY_STOP, "emergency_stop"),
+    ],
+)
+def test_a_stop_of_the_controller_is_latched_until_it_is_released_and_acknowledged(
+    case, held, controller, until, fault, cause
+) -> None:
+    controller.inject(fault)
+    assert held.wait(5.0).cause == cause
+    assert case.wait_for("safe_hold")["held_for"] == cause
+    with pytest.raises(Refused) as caught:
+        case.command("acknowledged", guide="empty")
+    assert "safety_normal" in {verdict["code"] for verdict in caught.value.verdicts if not verdict["passed"]}
+    controller.release()
+    until(lambda: case.status()["arm"]["safety"] == "normal")
+    _comes_to_rest(controller, until)
+    assert case.command("acknowledged", guide="empty")["state"] == "case_open"
+
+
+def test_a_permit_is_good_for_one_motion(case, lift, controller) -> None:
+    permit = case.approve(lift(10.0), PIN)
+    with case.hold(permit) as hold:
+        hold.wait(20.0)
+    before = len([one for one in controller.wire() if one.kind == "script"])
+    with pytest.raises(Refused) as caught, case.hold(permit):
+        pass
+    assert "permit_unused" in {verdict["code"] for verdict in caught.value.verdicts if not verdict["passed"]}
+    assert len([one for one in controller.wire() if one.kind == "script"]) == before
+
+
+def test_a_button_that_nobody_holds_starts_nothing(case, lift, controller) -> None:
+    hold = case.hold(case.approve(lift(10.0), PIN))
+    hold.release()
+    before = _joints(controller)
+    with hold:
+        time.sleep(1.0)
+    assert np.array_equal(before, _joints(controller))
+    assert "move_started" not in {event["trigger"] for event in case.record()}
