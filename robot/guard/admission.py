@@ -32,7 +32,7 @@ class Admission:
             return Refusal(RefusalCode.PERMIT_REUSED, "a permit starts one motion", None, None)
         if phase is Phase.HELD:
             return Refusal(RefusalCode.GUARD_HELD, "a stop or fault is not acknowledged", None, None)
-        return self._refuse_program() or self._refuse_now(move, now_s) or self._refuse_unwritten()
+        return self._refuse_program() or self._refuse_now(move, now_s) or self._refuse_unwritten(move)
 
     def refuse_launch(self, course: Course, now_s: float) -> Refusal | None:
         """Refusal of a motion once control is taken, which took its time (H04, H16, H18)."""
@@ -63,7 +63,9 @@ class Admission:
             return None
         return Refusal(RefusalCode.ARM_NOT_READY, "another program runs on the controller", None, None)
 
-    def _refuse_unwritten(self) -> Refusal | None:
+    def _refuse_unwritten(self, move: BeginMove) -> Refusal | None:
+        """The intent is on the disk before the motion is on the wire (H24)."""
+        self._journal.record(move)
         if self._journal.flush(_FLUSH_S):
             return None
         return Refusal(RefusalCode.JOURNAL_UNWRITABLE, "the guard's journal cannot be written", None, None)

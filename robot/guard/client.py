@@ -124,7 +124,9 @@ class GuardClient:
 
     def _supervise(self) -> None:
         while not self._closing.is_set():
-            child = GuardChild(self._config.arm_address, self._config.journal_folder)
+            child = self._spawn()
+            if child is None:
+                continue
             self._child, self._busy, self._heard_at_s = child, True, time.monotonic()
             if self._closing.is_set():
                 child.dismiss()
@@ -133,6 +135,15 @@ class GuardClient:
             child.end(at_once=not self._closing.is_set())
             if not self._closing.is_set():
                 self._mourn()
+
+    def _spawn(self) -> GuardChild | None:
+        """A guard process; None, a moment later, from a machine that has no process left to give."""
+        try:
+            return GuardChild(self._config.arm_address, self._config.journal_folder)
+        except OSError as error:
+            _log.error("guard_not_started", error=repr(error))
+            self._closing.wait(self._config.restart_after_s)
+            return None
 
     def _listen(self, child: GuardChild) -> None:
         """Pass events on until the guard ends, falls silent, or says what is no message."""

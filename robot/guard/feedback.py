@@ -5,11 +5,10 @@ from enum import StrEnum
 import numpy as np
 
 from robot.arm import ArmState
+from robot.guard.rest import is_slow
 
 STALE_S = 0.1  # without a good reading
 _FROZEN_S = 0.1  # a pose that stays equal to the last bit while the same reading claims a speed
-_FROZEN_SPEED_MM_S = 1.0
-_FROZEN_TURN_RAD_S = 0.004
 
 
 class Verdict(StrEnum):
@@ -44,7 +43,7 @@ class FeedbackWatch:
             self._changed_at_s = reading.received_at_s
         self._newest = reading
         stuck_s = reading.received_at_s - self._changed_at_s
-        return Verdict.FROZEN if stuck_s > _FROZEN_S and _claims_motion(reading) else Verdict.GOOD
+        return Verdict.FROZEN if stuck_s > _FROZEN_S and not is_slow(reading) else Verdict.GOOD
 
     def is_fresh(self, now_s: float) -> bool:
         """Whether there is a good reading younger than the limit."""
@@ -53,10 +52,6 @@ class FeedbackWatch:
     def forget(self) -> None:
         """Start anew after a reconnection: a controller that was restarted counts its time from zero."""
         self._newest = None
-
-
-def _claims_motion(reading: ArmState) -> bool:
-    return reading.tcp_speed_mm_s > _FROZEN_SPEED_MM_S or reading.tcp_turn_speed_rad_s > _FROZEN_TURN_RAD_S
 
 
 def _is_finite(reading: ArmState) -> bool:

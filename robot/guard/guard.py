@@ -192,8 +192,9 @@ class Guard:
             return
         self._course = None
         if ended.cause not in _CALM:  # after a calm end a fault is news, after the others it was the reason
-            self._idle_phase = Phase.HELD
             self._fault = self._observer.fault(now_s)
+        if ended.cause not in _CALM or not (ended.at_rest and ended.program_stopped):
+            self._idle_phase = Phase.HELD
         self._displacement.account(self._observer.newest)
         self._journal.flush(_FLUSH_S)
         self._tell(ended)

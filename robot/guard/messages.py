@@ -28,7 +28,7 @@ class Phase(StrEnum):
 
 
 class EndCause(StrEnum):
-    """Why a motion ended. After arrived, missed and released the guard is idle, after the others held."""
+    """Why a motion ended. The guard is idle after arrived, missed and released at rest without a program, else held."""
 
     ARRIVED = "arrived"
     MISSED = "missed"

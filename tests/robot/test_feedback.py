@@ -39,9 +39,10 @@ def test_controller_time_that_stands_or_goes_back_is_out_of_order(at: At, time_s
     assert watch.take(at(time_s)) is Verdict.OUT_OF_ORDER
 
 
-def test_pose_that_stands_while_a_speed_is_claimed_is_frozen(at: At) -> None:
+@pytest.mark.parametrize("speed_mm_s", [18.0, 0.7])  # no speed lies between frozen and at rest
+def test_pose_that_stands_while_a_speed_is_claimed_is_frozen(at: At, speed_mm_s: float) -> None:
     watch = FeedbackWatch()
-    verdicts = [watch.take(at(0.008 * index, x_mm=3.0, speed_mm_s=18.0)) for index in range(20)]
+    verdicts = [watch.take(at(0.008 * index, x_mm=3.0, speed_mm_s=speed_mm_s)) for index in range(20)]
     assert verdicts[:12] == [Verdict.GOOD] * 12
     assert verdicts[14:] == [Verdict.FROZEN] * 6  # from 0.1 s on
 

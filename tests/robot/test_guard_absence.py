@@ -7,6 +7,7 @@ import pytest
 
 from robot.dashboard import DashboardLink, stop_by_dashboard
 from robot.errors import GuardDownError
+from robot.guard.child import GuardChild
 from robot.guard.client import GuardClient, GuardConfig
 from robot.guard.messages import Heartbeat, Phase
 from simulator.controller import ControllerProcess, ControllerSettings, Fault, free_loopback_address
@@ -89,3 +90,19 @@ def test_listener_that_fails_does_not_end_the_supervision(controller: Controller
         time.sleep(0.01)
     assert len(heard) >= 10
     client.close()
+
+
+def test_guard_that_cannot_be_spawned_is_spawned_later(make_bench, tmp_path: Path, monkeypatch) -> None:
+    spawn, attempts = GuardChild, []
+
+    def fail_once(*arguments: object) -> GuardChild:
+        attempts.append(arguments)
+        if len(attempts) == 1:
+            raise BlockingIOError("no process left")
+        return spawn(*arguments)
+
+    monkeypatch.setattr("robot.guard.client.GuardChild", fail_once)
+    bench = make_bench(free_loopback_address(), tmp_path)
+    bench.client.start()
+    bench.until(lambda: bench.client.status is not None, 10.0)
+    assert len(attempts) == 2

@@ -10,7 +10,7 @@ import pytest
 from robot.arm import ArmState, LinearMove
 from robot.errors import ControllerRefusedError
 from robot.guard.guard import Guard
-from robot.guard.journal import Journal
+from robot.guard.journal import EVENTS_FILE, Journal
 from robot.guard.messages import (
     Acknowledge,
     BeginMove,
@@ -38,6 +38,7 @@ class Room:
         self.reading = reading
         self.orders: list[str] = []
         self.events: list[Event] = []
+        self.journal = journal
         self.while_control_is_taken: Callable[[], None] = lambda: None
         self.guard = Guard(self, journal, self.events.append, lambda: self.now_s)
         self.turn()
@@ -256,3 +257,23 @@ def test_stop_of_a_motion_that_is_ending_calmly_holds_the_guard(room: Room, move
         room.turn()
     assert room.newest(MotionEnded).cause is EndCause.RELEASED
     assert room.guard.phase is Phase.HELD
+
+
+def test_release_that_the_controller_does_not_heed_holds_the_guard(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    room.send_stop = lambda: True  # the program goes on
+    room.beat(2, held=False)
+    for _ in range(500):
+        room.turn()
+    ended = room.newest(MotionEnded)
+    assert (ended.cause, ended.program_stopped) == (EndCause.RELEASED, False)
+    assert room.guard.phase is Phase.HELD
+
+
+def test_motion_whose_intent_cannot_be_written_does_not_go_out(room: Room, move: BeginMove, tmp_path: Path) -> None:
+    assert room.journal.flush(5.0)  # all before it was written
+    (tmp_path / EVENTS_FILE).unlink()
+    (tmp_path / EVENTS_FILE).symlink_to("/dev/full")
+    begin(room, move)
+    assert room.newest(MoveRefused).refusal.code is RefusalCode.JOURNAL_UNWRITABLE
+    assert room.orders == []

@@ -36,7 +36,7 @@ def test_trajectory_and_events_are_in_the_journal(bench) -> None:
     bench.client.begin_move(bench.order(step_mm=10.0))
     ended = bench.told(MotionEnded)
     events = [line["type"] for line in read_lines(bench.journal_folder / EVENTS_FILE)]
-    assert events == ["acknowledge", "motion_started", "motion_ended"]
+    assert events == ["acknowledge", "begin_move", "motion_started", "motion_ended"]
     samples = read_lines(bench.journal_folder / ended.trajectory_file)
     assert len(samples) == ended.trajectory_samples
     times = np.array([sample["controller_time_s"] for sample in samples])
