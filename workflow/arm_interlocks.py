@@ -44,14 +44,14 @@ UNACCOUNTED_MM = Interlock(
     "H04",
     "the guide was moved by something else than a commanded motion",
     reads_within(lambda s: s.unaccounted_mm, _feedback_age, lambda limits: limits.unaccounted_mm, "mm"),
-    (Trigger.ARM_DISTURBED,),
+    (Trigger.RETAKE,),
 )
 UNACCOUNTED_RAD = Interlock(
     "unaccounted_rad",
     "H04",
     "the guide was turned by something else than a commanded motion",
     reads_within(lambda s: s.unaccounted_rad, _feedback_age, lambda limits: limits.unaccounted_rad, "rad"),
-    (Trigger.ARM_DISTURBED,),
+    (Trigger.RETAKE,),
 )
 ARM_WHERE_PLANNED = Interlock(
     "arm_where_planned",

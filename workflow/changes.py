@@ -56,9 +56,9 @@ def void_verification(case: CaseState, _: Inquiry) -> CaseState:
     return replace(case, verification=None)
 
 
-def forget_newest_image(case: CaseState, _: Inquiry) -> CaseState:
-    """Something moved: the newest image shows what is no longer there."""
-    return replace(case, newest_image_id=None)
+def forget_images(case: CaseState, _: Inquiry) -> CaseState:
+    """Something moved: the newest image, or one that is still on its way, shows what is no longer there."""
+    return replace(case, newest_image_id=None, window=None)
 
 
 def new_view(case: CaseState, inquiry: Inquiry) -> CaseState:

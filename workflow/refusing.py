@@ -128,6 +128,7 @@ def _by_interlock(inquiry: Inquiry, verdicts: Sequence[Verdict]) -> Reason | Non
         return None
     message = "; ".join(verdict.message for verdict in failed)
     remedies = (remedy for verdict in failed for remedy in INTERLOCKS[verdict.code].remedies)
-    onwards = dict.fromkeys(step for remedy in remedies for step in towards(inquiry.case, remedy))
+    steps = (step for remedy in remedies for step in towards(inquiry.case, remedy))
+    onwards = dict.fromkeys(step for step in steps if step is not inquiry.trigger)
     # Without a remedy of its own the cause is in the room: the same request again, when it is gone.
     return RefusalCode.INTERLOCK, message, tuple(onwards) or (inquiry.trigger,)

@@ -15,7 +15,7 @@ Entries = tuple[Row | Unlisted, ...]
 S, T, B = State, Trigger, Branch
 ALL = LIVE | OVER
 _STOP = (Effect.STOP_SENT,)
-_ADRIFT_VOIDS = (do.void_from(Link.IMAGE), do.forget_newest_image)
+_ADRIFT_VOIDS = (do.void_from(Link.IMAGE), do.forget_images)
 
 
 def _row(
@@ -126,7 +126,7 @@ MOTION_ROWS: Entries = (
     _row(11, T.TARGET_WITHDRAWN, _AIMED_AT, Goto.SETTLE, do.withdraw_target, settles_to=[S.REGISTERED, S.CASE_OPEN]),
     _row(12, T.PLAN_REQUESTED, IDLE, Goto.SAME, do.new_plan),
     _row(13, T.MOVE_APPROVED, IDLE, Goto.SAME, do.new_permit),
-    _row(14, T.MOVE_STARTED, IDLE, S.MOVING, do.start_motion),
+    _row(14, T.MOVE_STARTED, IDLE, S.MOVING, do.start_motion, do.forget_images),
     _row(15, T.ARRIVED, [S.MOVING], S.MOVED, do.complete_motion, on=[B.AT_GOAL]),
     _row(16, T.ARRIVED, [S.MOVING], Goto.SETTLE, do.close_motion, on=[B.ELSEWHERE], settles_to=_BEFORE_THE_MOTION),
     _row(16, T.MISSED, [S.MOVING], Goto.SETTLE, do.close_motion, on=[B.AT_REST], settles_to=_BEFORE_THE_MOTION),
@@ -258,7 +258,7 @@ _MOVED_THINGS: tuple[tuple[int, Trigger, Change, list[State]], ...] = (
 
 def _movement_rows(number: int, trigger: Trigger, void: Change, settles_to: list[State]) -> Entries:
     """Rows 30 to 33 for one thing that moved, with their share of rows 34 and 35."""
-    voids = (void, do.forget_newest_image)
+    voids = (void, do.forget_images)
     held = INSERTION | {S.SAFE_HOLD}
     return (
         _row(number, trigger, IDLE, Goto.SETTLE, *voids, settles_to=settles_to),
@@ -290,7 +290,7 @@ HOLD_ROWS: Entries = (
         S.SAFE_HOLD,
         do.close_motion,
         do.void_from(Link.VIEW),
-        do.forget_newest_image,
+        do.forget_images,
     ),
     _row(39, T.HOLD_REQUESTED, LIVE - {S.MOVING}, S.SAFE_HOLD),
     _row(40, T.ACKNOWLEDGED, [S.SAFE_HOLD], Goto.SETTLE, settles_to=IDLE | INSERTION),

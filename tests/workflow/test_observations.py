@@ -65,6 +65,27 @@ def test_a_new_position_takes_neither_window_nor_newest_image_over(walk):
     assert walk.do(Trigger.IMAGE_ARRIVED).image_use is ImageUse.UNASSIGNED
 
 
+@pytest.mark.parametrize("moved", [Trigger.PATIENT_MOVED, Trigger.ARM_DISTURBED, Trigger.HAND_GUIDED])
+def test_an_image_that_was_on_its_way_when_something_moved_enters_no_chain(walk, moved):
+    """It may have been exposed before: the window closes, and the C-arm need not be positioned anew."""
+    walk.to(State.CARM_POSITIONED).do(moved)
+    assert walk.case.state is State.CARM_POSITIONED
+    assert walk.do(Trigger.IMAGE_ARRIVED).image_use is ImageUse.UNASSIGNED
+    walk.do(Trigger.EXPOSURE_REQUESTED)
+    assert walk.do(Trigger.IMAGE_ARRIVED).image_use is ImageUse.REGISTRATION
+
+
+def test_a_commanded_motion_outdates_the_newest_image_too(walk):
+    """Row 6: nothing moved since, the arm no less than the patient."""
+    walk.to(State.IMAGE_ACQUIRED).do(Trigger.RETAKE)
+    again = walk.facts(Trigger.NEWEST_IMAGE_REUSED)
+    walk.do(Trigger.PLAN_REQUESTED, kind=PlanKind.NUDGE)
+    for trigger in (Trigger.MOVE_APPROVED, Trigger.MOVE_STARTED, Trigger.ARRIVED):
+        walk.do(trigger)
+    assert walk.case.state is State.CARM_POSITIONED
+    assert [verdict.code for verdict in walk.refused(Trigger.NEWEST_IMAGE_REUSED, again).failed] == ["newest_image"]
+
+
 def test_a_registration_that_fails_a_check_is_taken_as_refused(walk):
     walk.to(State.IMAGE_ACQUIRED)
     good = walk.facts(Trigger.REGISTRATION_COMPLETED)

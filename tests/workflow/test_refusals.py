@@ -66,6 +66,16 @@ def test_every_refusal_of_a_live_case_names_something_that_can_be_done_there(new
                 assert listed(state, onwards), f"{trigger} in {state}: {onwards}"
 
 
+def test_an_unaccounted_arm_leads_to_what_a_person_can_do(new_walk):
+    """A disturbance is observed, not asked for; where nothing is known of it, none is ever observed."""
+    aiming, reusing = new_walk().to(State.TARGET_CHOSEN), new_walk().to(State.IMAGE_ACQUIRED)
+    reusing.do(Trigger.RETAKE)
+    for walk in (aiming, reusing):
+        walk.spoil(unaccounted_mm=Reading(None, float("inf")))
+    assert aiming.refused(Trigger.MOVE_STARTED).leads_onwards == (Trigger.RETAKE,)
+    assert reusing.refused(Trigger.NEWEST_IMAGE_REUSED).leads_onwards == (Trigger.EXPOSURE_REQUESTED,)
+
+
 def test_following_what_leads_onwards_reaches_the_insertion(walk):
     """From an empty case to the sleeve by doing nothing but what the refusals say."""
     walk.do(Trigger.GUIDE_STATE_STATED)
