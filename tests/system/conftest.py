@@ -210,7 +210,7 @@ def tilted_guide() -> np.ndarray:
     return pose
 
 
-class Held(Exception):
+class Held(Exception):  # noqa: N818  a turn of the procedure, no error of the tests
     """The case went into safe_hold on its way."""
 
 
@@ -240,11 +240,15 @@ class Walk:
 
     def _go(self, state: str) -> None:
         way = ["carm_positioned", "registered", "target_chosen", "moved", "verified", "inserting", "sleeve_inserted"]
-        goal = {"off_target": "moved", "safe_hold": "carm_positioned"}.get(state, state)
+        beside = {"off_target": "moved", "safe_hold": "carm_positioned", "image_acquired": "carm_positioned"}
+        goal = beside.get(state, state)
         for step in way[: way.index(goal) + 1] if goal in way else []:
             getattr(self, step)()
         if state == "off_target":
             self.off_target()
+        if state == "image_acquired":
+            self.case.command("exposure-requested")
+            self.carm.expose(self.source_from_guide)
         if state == "safe_hold":
             self.case.stop()
 
