@@ -22,6 +22,7 @@ SQUARE_SD = 5e-4  # relative: alpha_y against alpha_x; the plate and the panel m
 VIEW_PARAMETERS = 10  # alpha_x, alpha_y, u0, v0 (px), rotation vector (rad), translation (mm): see Registration
 _TUKEY = 4.685  # standard deviations beyond which an observation has no weight; 95 % efficient on clean data
 LEAST_NOISE_PX = 0.02  # of one ridge point: interpolation and the profile's model are no better
+_UNMODELLED_PX = 0.1  # 0.02 px that map and ground leave in phase over some 30 neighbours
 _LAGS = 12  # neighbours along a wire over which noise may be correlated
 
 
@@ -135,13 +136,18 @@ def fit_contour(view: View, guide: Guide, observations: Observations, priors: Pr
     noise_px, correlation = 0.3, 1.0
     for _ in range(4):
         # correlated points are worth fewer: with all of them counted in full the priors would be overruled
-        view, guide = _solve(view, guide, observations, priors, weight, noise_px * float(np.sqrt(correlation)))
+        view, guide = _solve(view, guide, observations, priors, weight, _worth_px(noise_px, correlation))
         residual = _residual(view, guide, observations)
         noise_px = max(LEAST_NOISE_PX, 1.4826 * float(np.median(np.abs(residual))))
         weight = np.clip(1.0 - (residual / (_TUKEY * noise_px)) ** 2, 0.0, None) ** 2
         correlation = _correlation(residual, weight, observations)
     covariance = _covariance(view, guide, observations, priors, weight, noise_px, correlation, plate)
     return ContourFit(view, guide, residual, weight, noise_px, correlation, priors.pulls(view, guide), covariance)
+
+
+def _worth_px(noise_px: float, correlation: float) -> float:
+    """Standard deviation that makes the points' sum of squares worth what they are, px."""
+    return float(np.hypot(noise_px * np.sqrt(correlation), _UNMODELLED_PX))
 
 
 def _solve(
@@ -227,7 +233,7 @@ def _covariance(
     plate: PlateFit,
 ) -> Array:
     """(13, 13): noise with its correlation, priors, and the distortion map's error, which all points share."""
-    noise_px = noise_px * float(np.sqrt(correlation))
+    noise_px = _worth_px(noise_px, correlation)
 
     def residual(step: Array) -> Array:
         return _weighted(*_moved(view, guide, step * _SCALES), observations, priors, weight, noise_px)

@@ -23,6 +23,7 @@ _FINE_SAMPLES = 180
 _LOOSE_PX, _TIGHT_PX = 3.0, 1.5
 _NORMALS_WITHIN = 0.95  # cosine of the angle between the ridge's normal and the ellipse's
 _REFINED = 150  # hypotheses refined, the best supported first
+_ALIKE_PX = 2.0  # the same of hypotheses: each refines to the same ring
 _SAME_PX = 6.0  # ellipses nearer than this to one another in centre and axes are one
 _SEED = 20  # of the triples: the same image gives the same registration
 
@@ -64,8 +65,7 @@ def ring_candidates(ridge: Ridge, axes: AxisRange) -> list[RingCandidate]:
     tree = KDTree(ridge.points)
     hypotheses = _hypotheses(ridge, axes)
     support = _supports(hypotheses, ridge, tree, _SAMPLES, _LOOSE_PX)
-    order = np.argsort(-support)[:_REFINED]
-    candidates = [_refined(hypotheses[index], ridge, tree, axes) for index in order]
+    candidates = [_refined(one, ridge, tree, axes) for one in _different(hypotheses[np.argsort(-support)])]
     distinct: list[RingCandidate] = []
     for candidate in sorted((c for c in candidates if c is not None), key=lambda c: -c.support):
         if candidate.support >= LEAST_SUPPORT and not any(_same(candidate.ellipse, d.ellipse) for d in distinct):
@@ -87,6 +87,30 @@ def _hypotheses(ridge: Ridge, axes: AxisRange) -> Array:
     solvable = np.isfinite(centre).all(axis=1) & (np.abs(np.linalg.det(np.nan_to_num(squares))) > 1.0)
     form = np.linalg.solve(squares[solvable], np.ones((int(solvable.sum()), 3, 1)))[:, :, 0]
     return _plausible(np.column_stack((centre[solvable], form)), axes)
+
+
+def _different(hypotheses: Array) -> Array:
+    """The first of hypotheses (h, 5), best first, leaving out those like an earlier one.
+
+    A conspicuous circle (the guide's housing seen end-on) is voted for by hundreds of triples, which would crowd out
+    the guide's own rings.
+    """
+    left = np.column_stack((hypotheses[:, :2], *_axes(hypotheses)))
+    chosen: list[int] = []
+    free = np.ones(len(left), dtype=bool)
+    while free.any() and len(chosen) < _REFINED:
+        first = int(np.argmax(free))
+        chosen.append(first)
+        free &= np.abs(left - left[first]).max(axis=1) > _ALIKE_PX
+    return hypotheses[chosen]
+
+
+def _axes(hypotheses: Array) -> tuple[Array, Array]:
+    """Semi-axes (h,), major and minor; not finite where it is no ellipse."""
+    _, _, a, b, c = hypotheses.T
+    mean, spread = (a + c) / 2.0, np.sqrt((a - c) ** 2 / 4.0 + b**2 / 4.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return 1.0 / np.sqrt(mean - spread), 1.0 / np.sqrt(mean + spread)
 
 
 def _centres(p: Array, n: Array) -> Array:
@@ -113,11 +137,8 @@ def _centres(p: Array, n: Array) -> Array:
 
 def _plausible(hypotheses: Array, axes: AxisRange) -> Array:
     """Those whose axes are a ring's."""
-    _, _, a, b, c = hypotheses.T
-    mean, spread = (a + c) / 2.0, np.sqrt((a - c) ** 2 / 4.0 + b**2 / 4.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        major, minor = 1.0 / np.sqrt(mean - spread), 1.0 / np.sqrt(mean + spread)
-        fits = (major > axes.least_px) & (major < axes.greatest_px) & (minor > axes.least_ratio * major)
+    major, minor = _axes(hypotheses)
+    fits = (major > axes.least_px) & (major < axes.greatest_px) & (minor > axes.least_ratio * major)
     return np.asarray(hypotheses[fits], dtype=np.float64)
 
 

@@ -8,11 +8,14 @@ from numpy.typing import NDArray
 
 from vision.absorption import Absorption
 from vision.conics import RingPair, depth_ratio, true_centres
+from vision.corrected_image import CorrectedImage
 from vision.detection import RingCandidate
 from vision.devices import Guide
 from vision.distortion import DistortionMap
+from vision.profiles import ProfileReader
 from vision.projection import Intrinsics, View, project
 from vision.refusal import Refusal
+from vision.wire_model import Wire, sample_wires
 
 Array = NDArray[np.float64]
 
@@ -23,68 +26,75 @@ GREATEST_TILT_RAD = math.radians(50.0)  # for a first pose; the gate on the fina
 _DIRECTIONS = 720  # half degrees: half of the line's width at its end
 _ON_LINE = 40
 _INSET_MM = 1.5  # of the line's ends, which blur
-_APART = math.radians(6.0)  # directions nearer than this to the best are the same line
+_APART = 12  # directions (6 deg) nearer than this to a better one are the same line
+_MOST_DIRECTIONS = 5
+_AS_GOOD = 0.7  # of the best direction's share: solved as well, and judged by line ends and bead
+_WORST_MISFIT = 0.5  # of a profile's amplitude
+_STRAIGHT_PX = 1.0  # from the straight line through the crests
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FirstView:
-    """A candidate view without intrinsics of its own.
-
-    Attributes
-    ----------
-    view : View
-        Nominal intrinsics.
-    rings : RingPair
-        The two ellipses.
-    support : float
-        Sum of both rings' supports.
-    line_contrast : float
-        Curvature across the line where it was found, relative to that across the rings.
-    second_contrast : float
-        The same for the best other direction.
-    """
+    """A candidate view: nominal intrinsics, and the line's curvature relative to that across the rings."""
 
     view: View
-    rings: RingPair
-    support: float
     line_contrast: float
-    second_contrast: float
 
 
-def consistent_pairs(
-    candidates: list[RingCandidate], guide: Guide, nominal: Intrinsics
-) -> list[tuple[RingPair, float]]:
-    """Pairs of ellipses that can be the guide's rings, with their summed support, the best first."""
-    pairs = []
+def consistent_pairs(candidates: list[RingCandidate], guide: Guide, nominal: Intrinsics) -> list[View]:
+    """Views of the pairs of ellipses that can be the guide's rings, the best supported first; the turn is open."""
+    pairs: list[tuple[float, View]] = []
     for small in candidates:
         for big in candidates:
-            rings = RingPair(small.ellipse, big.ellipse)
-            if small is not big and _axis_view(rings, guide, nominal) is not None:
-                pairs.append((rings, small.support + big.support))
-    return sorted(pairs, key=lambda pair: -pair[1])
+            view = None if small is big else _axis_view(RingPair(small.ellipse, big.ellipse), guide, nominal)
+            if view is not None:
+                pairs.append((small.support + big.support, view))
+    return [view for _, view in sorted(pairs, key=lambda pair: -pair[0])]
 
 
-def first_view(
-    rings: RingPair,
-    support: float,
-    guide: Guide,
-    nominal: Intrinsics,
-    absorption: Absorption,
-    distortion: DistortionMap,
-) -> FirstView | None:
-    """The view in which the line shows best; None where the rings are no guide's."""
-    upright = _axis_view(rings, guide, nominal)
-    if upright is None:
-        return None
-    wire_px = guide.wire_diameter_mm * nominal.alpha_x_px / upright.source_from_guide[2, 3]
-    curvature = _Curvature(absorption, distortion, wire_px)
-    on_rings = curvature.across_rings(upright, guide)
+def first_views(upright: View, guide: Guide, image: CorrectedImage, reader: ProfileReader) -> list[FirstView]:
+    """The view turned to where the line shows, the best first; more than one where several lines do.
+
+    Bone edges and end plates bend the ground more than a wire does, so the strongest few directions are compared by how
+    much of the line looks like one straight wire.
+    """
+    wire_px = guide.wire_diameter_mm * upright.intrinsics.alpha_x_px / upright.source_from_guide[2, 3]
+    curvature = _Curvature(image.absorption, image.plate.map, wire_px)
     turns = np.linspace(0.0, 2.0 * math.pi, _DIRECTIONS, endpoint=False, dtype=np.float64)
-    contrast = curvature.across_lines(upright, guide, turns) / on_rings
-    best = int(np.argmax(contrast))
-    away = np.abs((turns - turns[best] + math.pi) % (2.0 * math.pi) - math.pi) > _APART
-    view = _turned(upright, float(turns[best]))
-    return FirstView(view, rings, support, float(contrast[best]), float(contrast[away].max()))
+    contrast = curvature.across_lines(upright, guide, turns) / curvature.across_rings(upright, guide)
+    found = []
+    for index in _peaks(contrast):
+        view = _turned(upright, float(turns[index]))
+        found.append((_line_share(view, guide, reader), FirstView(view, float(contrast[index]))))
+    best = max(share for share, _ in found)
+    found = [(share, first) for share, first in found if share >= _AS_GOOD * best]
+    return [first for _, first in sorted(found, key=lambda pair: -pair[0])]
+
+
+def _peaks(contrast: Array) -> list[int]:
+    """The few directions of greatest contrast, no two of them the same line's."""
+    left, peaks = contrast.copy(), []
+    around = np.arange(-_APART, _APART + 1)
+    for _ in range(_MOST_DIRECTIONS):
+        peak = int(np.argmax(left))
+        peaks.append(peak)
+        left[(peak + around) % len(left)] = -np.inf
+    return peaks
+
+
+def _line_share(view: View, guide: Guide, reader: ProfileReader) -> float:
+    """Share of the line's length on which there is a wire, all of it on one straight line."""
+    samples = sample_wires(view, guide)
+    line = samples.chosen(samples.wire == Wire.LINE)
+    profiles = reader.read(line.points, line.normals)
+    like_wire = (profiles.amplitude > 0.0) & (profiles.misfit < _WORST_MISFIT * profiles.amplitude)
+    if like_wire.sum() < _ON_LINE // 4:
+        return 0.0
+    offset, along = profiles.offset_px[like_wire], line.along[like_wire]
+    steps = np.subtract.outer(offset, offset)[np.triu_indices(len(along), 5)]
+    slope = float(np.median(steps / np.subtract.outer(along, along)[np.triu_indices(len(along), 5)]))
+    straight = np.abs(offset - slope * along - np.median(offset - slope * along)) < _STRAIGHT_PX
+    return float(straight.sum()) / len(line.along)
 
 
 def _axis_view(rings: RingPair, guide: Guide, nominal: Intrinsics) -> View | None:

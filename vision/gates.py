@@ -20,6 +20,7 @@ GREATEST_LINE_END_PX = 1.5
 GREATEST_TILT_RAD = math.radians(45.0)
 LEAST_RING_COVERAGE = 0.5  # of the directions about a ring's centre that hold accepted points
 LEAST_LINE_COVERAGE = 0.4
+LEAST_LINE_COVERAGE_WITHOUT_ENDS = 0.7  # where rings or balls cover both ends, the line itself must be seen well
 GREATEST_GAP_RAD = math.radians(100.0)  # of a ring, though nothing known covers it: less than 260 deg hold it loosely
 GREATEST_BEAD_SD = 4.0
 GREATEST_SCALE_OFF = 0.06  # relative: the plate's pixel size against the C-arm file's; distances of plate and SID
@@ -94,24 +95,24 @@ def _longest_gap(seen: NDArray[np.bool_], missing: NDArray[np.bool_]) -> float:
     return max(int(run.sum()) for run in runs) * 2.0 * math.pi / _SECTORS
 
 
-def check_line(fit: ContourFit, observations: Observations, places: WireSamples) -> Refusal | None:
-    """Accepted points along the line, of the places where it could be measured."""
+def check_line(fit: ContourFit, observations: Observations, places: WireSamples, ends: list[LineEnd]) -> Refusal | None:
+    """Accepted points along the line, of the places where it could be measured; more of them where no end is seen."""
     possible = int((places.wire == Wire.LINE).sum())
     share = float((fit.weight[observations.wire == Wire.LINE] > 0.0).sum()) / max(possible, 1)
-    if share < LEAST_LINE_COVERAGE:
-        message = "share of the indicator line that is seen"
-        return Refusal(RefusalCode.LINE_MISSING, message, share, LEAST_LINE_COVERAGE)
+    limit = LEAST_LINE_COVERAGE if ends else LEAST_LINE_COVERAGE_WITHOUT_ENDS
+    if share < limit:
+        return Refusal(RefusalCode.LINE_MISSING, "share of the indicator line that is seen", share, limit)
     return None
 
 
-def check_line_ends(ends: list[LineEnd], amplitude: float, least_amplitude: float) -> Refusal | None:
-    """The line must end where the guide file says: at least one end is seen, and all seen are in place."""
-    seen = [end for end in ends if end.amplitude >= least_amplitude * amplitude]
-    if len(seen) < len(ends) or not ends:
-        message = "ends of the indicator line that are seen"
-        return Refusal(RefusalCode.LINE_MISSING, message, len(seen), max(1, len(ends)))
-    worst = max(seen, key=lambda end: abs(end.excess_px))
-    if abs(worst.excess_px) > GREATEST_LINE_END_PX:
+def check_line_ends(ends: list[LineEnd], least_amplitude: float) -> Refusal | None:
+    """The line must end where the guide file says, wherever an end can be measured."""
+    faint = [end.amplitude for end in ends if end.amplitude < least_amplitude]
+    if faint:
+        message = "absorption of the indicator line at its end"
+        return Refusal(RefusalCode.LINE_MISSING, message, min(faint), least_amplitude)
+    worst = max(ends, key=lambda end: abs(end.excess_px), default=None)
+    if worst is not None and abs(worst.excess_px) > GREATEST_LINE_END_PX:
         message = f"the indicator line's end at x = {worst.x_mm:g} mm is not where the guide file puts it (px)"
         return Refusal(RefusalCode.GUIDE_MISMATCH, message, abs(worst.excess_px), GREATEST_LINE_END_PX)
     return None

@@ -17,7 +17,8 @@ Array = NDArray[np.float64]
 
 _REACH_PX = 10.0
 _STEP_PX = 0.5
-_LEAST_AMPLITUDE = 0.4  # of the line's own absorption: how high the step must be to be the line's end
+_SEEN_AROUND_PX = 2.5  # of the step: twice the blur's reach
+_BALL_MARGIN = 0.8  # of a profile's reach, kept free around a ball
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,21 +53,24 @@ def measure_line_ends(
     for x_mm, point, outwards in ((guide.line_start_mm, points[0], -along), (guide.line_end_mm, points[1], along)):
         steps = np.arange(-_REACH_PX, _REACH_PX + _STEP_PX / 2.0, _STEP_PX)
         places = point + steps[:, None] * outwards
-        free = _free(places, rings, balls, reader.reach_px)
-        # both sides of the step must be seen
+        free = _free(places, rings, balls, reader)
         if (free & (steps < -2.0)).sum() < 6 or (free & (steps > 2.0)).sum() < 6:
             continue
         normals = np.broadcast_to((-along[1], along[0]), places.shape)
-        ends.append(_step_fit(x_mm, steps[free], reader.amplitude_at(places, normals)[free]))
+        end = _step_fit(x_mm, steps[free], reader.amplitude_at(places, normals)[free])
+        # the step itself must be seen, not only both its sides
+        if free[np.abs(steps - end.excess_px) < _SEEN_AROUND_PX].all():
+            ends.append(end)
     return ends
 
 
-def _free(places: Array, rings: Array, balls: Array, reach_px: float) -> NDArray[np.bool_]:
-    free = np.min(np.linalg.norm(places[:, None] - rings[None], axis=2), axis=1) > reach_px
+def _free(places: Array, rings: Array, balls: Array, reader: ProfileReader) -> NDArray[np.bool_]:
+    """Places (n,) whose whole profile no ring and no ball disturbs."""
+    clear_px = reader.reach_px + 2.0 * reader.crest_sd_px
+    free = np.min(np.linalg.norm(places[:, None] - rings[None], axis=2), axis=1) > clear_px
     if len(balls):
-        free &= (np.linalg.norm(places[:, None] - balls[None, :, :2], axis=2) > balls[:, 2] + reach_px / 2.0).all(
-            axis=1
-        )
+        distance = np.linalg.norm(places[:, None] - balls[None, :, :2], axis=2)
+        free &= (distance > balls[:, 2] + _BALL_MARGIN * reader.reach_px).all(axis=1)
     return np.asarray(free)
 
 

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 _REACH = 1.6  # half length of a profile, in wire widths
 _STEP_PX = 0.5
 _ROUNDS = 5
-_WIDTHS = (0.25, 0.3, 0.35, 0.42, 0.5)  # sd of the crest tried, in wire widths; blur decides
+_CREST_SD = 0.35  # in wire widths: the chord through a wire, blurred
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,18 +44,8 @@ class ProfileReader:
         self._spline = spline_filter(absorption.values.astype(np.float64), order=3)
         self._distortion = distortion
         self.reach_px = _REACH * wire_px
-        self._wire_px = wire_px
         self._offsets = np.arange(-self.reach_px, self.reach_px + _STEP_PX / 2.0, _STEP_PX)
-        self._crest_sd_px = _WIDTHS[2] * wire_px
-
-    def adapt_width(self, points: Array, normals: Array) -> None:
-        """Choose the crest's width that leaves least on these wires."""
-        values = self._values(points, normals)
-
-        def left(width: float) -> float:
-            return float(np.median(self._fit(values, width * self._wire_px).misfit))
-
-        self._crest_sd_px = min(_WIDTHS, key=left) * self._wire_px
+        self._crest_sd_px = _CREST_SD * wire_px
 
     def read(self, points: Array, normals: Array) -> Profiles:
         """Fit the crest across each place (n, 2) with unit normal (n, 2), corrected pixels."""

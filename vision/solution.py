@@ -93,10 +93,10 @@ def _judged_before_bead(last: _Round) -> Refusal | None:
     fit, measured = last.fit, last.measured
     return (
         gates.check_coverage(fit, measured.observations, measured.places)
-        or gates.check_line(fit, measured.observations, measured.places)
+        or gates.check_line(fit, measured.observations, measured.places, last.line_ends)
         or gates.check_residual(fit)
         or gates.check_pulls(fit)
-        or gates.check_line_ends(last.line_ends, measured.amplitude, FAINTEST)
+        or gates.check_line_ends(last.line_ends, FAINTEST * measured.amplitude)
         or gates.check_tilt(fit.view)
     )
 

@@ -1,0 +1,54 @@
+"""Where in the image the guide may be: pairs of rings with a line, the best supported first."""
+
+from vision.corrected_image import CorrectedImage
+from vision.detection import AxisRange, ring_candidates
+from vision.devices import CArm, Guide
+from vision.first_pose import FirstView, consistent_pairs, first_views
+from vision.profiles import ProfileReader
+from vision.projection import Intrinsics
+from vision.refusal import Refusal, RefusalCode
+from vision.wires import ridge_points
+
+_NEAREST_SHARE, _FARTHEST_SHARE = 0.45, 0.97  # of the source-to-image distance, where a ring may be
+_MOST_PAIRS = 6
+
+
+def wire_width_px(guide: Guide, carm: CArm, nominal: Intrinsics) -> float:
+    """Width of a wire's shadow half-way of the plausible distances, px; widths differ by a third at most."""
+    depth_mm = carm.source_to_image_mm * (_NEAREST_SHARE + _FARTHEST_SHARE) / 2.0
+    return guide.wire_diameter_mm * nominal.alpha_x_px / depth_mm
+
+
+def find_candidates(
+    image: CorrectedImage, guide: Guide, carm: CArm, nominal: Intrinsics, reader: ProfileReader
+) -> list[FirstView] | Refusal:
+    """First views worth refining.
+
+    Parameters
+    ----------
+    image : CorrectedImage
+        Where to look.
+    guide, carm, nominal
+        The device files and the intrinsics that they predict.
+    reader : ProfileReader
+        Of the image.
+
+    Returns
+    -------
+    list[FirstView] or Refusal
+        At least one; `no_guide_found` where no ring is seen, `ring_missing` where no two belong together.
+    """
+    ridge = ridge_points(image.absorption, image.plate.map, wire_width_px(guide, carm, nominal), image.balls_raw)
+    per_mm = nominal.alpha_x_px / carm.source_to_image_mm
+    axes = AxisRange(
+        least_px=per_mm * guide.small_ring_radius_mm / _FARTHEST_SHARE,
+        greatest_px=per_mm * guide.big_ring_radius_mm / _NEAREST_SHARE,
+    )
+    candidates = ring_candidates(ridge, axes)
+    if not candidates:
+        return Refusal(RefusalCode.NO_GUIDE_FOUND, "rings of the guide's size found", 0, 2)
+    pairs = consistent_pairs(candidates, guide, nominal)[:_MOST_PAIRS]
+    if not pairs:
+        message = "no two of the rings found belong to one guide: consistent pairs"
+        return Refusal(RefusalCode.RING_MISSING, message, 0, 1)
+    return [view for upright in pairs for view in first_views(upright, guide, image, reader)]

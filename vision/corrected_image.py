@@ -1,0 +1,73 @@
+"""An image as every later step reads it: absorption, distortion, and where the plate's balls lie."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision import gates
+from vision.absorption import Absorption, absorption
+from vision.devices import CArm
+from vision.distortion import DistortionMap, PlateFit, exact, fit
+from vision.plate import find_lattice
+from vision.refusal import Refusal
+from vision.xray import XrayImage
+
+Array = NDArray[np.float64]
+
+_BALL_HALO_PX = 2.0  # around a ball's rim: blur
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CorrectedImage:
+    """The image's absorption with its distortion; the radius of a ball's shadow, 0 without a plate."""
+
+    absorption: Absorption
+    plate: PlateFit
+    ball_radius_px: float
+
+    @property
+    def balls_raw(self) -> Array:
+        """(m, 3): raw pixel and radius with its halo."""
+        sites = self.plate.sites
+        return np.column_stack((sites, np.full(len(sites), self.ball_radius_px + _BALL_HALO_PX)))
+
+    @property
+    def balls_corrected(self) -> Array:
+        """(m, 3): corrected pixel and radius."""
+        corrected = self.plate.map.corrected_from_raw(self.plate.sites)
+        return np.column_stack((corrected, np.full(len(corrected), self.ball_radius_px)))
+
+    def share_inside(self, points: Array) -> float:
+        """Share of corrected pixels (n, 2) that lie in the field."""
+        raw = np.rint(self.plate.map.raw_from_corrected(points)).astype(np.intp)
+        rows, columns = self.absorption.inside.shape
+        seen: NDArray[np.bool_] = np.all((raw >= 0) & (raw < (columns, rows)), axis=1)
+        return float(self.absorption.inside[raw[seen, 1], raw[seen, 0]].sum()) / len(points)
+
+
+def correct(image: XrayImage, carm: CArm) -> CorrectedImage | Refusal:
+    """Absorption and distortion of an image.
+
+    Parameters
+    ----------
+    image : XrayImage
+        Decoded.
+    carm : CArm
+        With a plate, whose balls are looked for, or without one: nothing is bent then.
+
+    Returns
+    -------
+    CorrectedImage or Refusal
+        `plate_missing`, `plate_too_sparse`, or `scale_mismatch` where the plate contradicts the file's pixel size.
+    """
+    seen = absorption(image)
+    file_pixel_mm = carm.field_of_view_mm / max(image.rows, image.columns)
+    if carm.plate is None:
+        return CorrectedImage(seen, exact(DistortionMap.identity(image.rows, image.columns, file_pixel_mm)), 0.0)
+    lattice = find_lattice(seen, carm.plate, file_pixel_mm)
+    if isinstance(lattice, Refusal):
+        return lattice
+    plate = fit(lattice.raw, lattice.places, image.rows, image.columns, carm.plate.ball_spacing_mm)
+    refusal = gates.check_scale(plate.map.pixel_size_mm, file_pixel_mm)
+    return refusal or CorrectedImage(seen, plate, carm.plate.ball_diameter_mm / 2.0 / plate.map.pixel_size_mm)
