@@ -2,11 +2,23 @@
 
 import asyncio
 import math
+import time
 from typing import Any, assert_never
 
 import structlog
 
-from robot.guard.messages import Disturbed, Event, Fault, MotionEnded, MotionStarted, MoveRefused, Status, StopSent
+from robot.guard.messages import (
+    Disturbed,
+    Event,
+    Fault,
+    FaultKind,
+    MotionEnded,
+    MotionStarted,
+    MoveRefused,
+    Status,
+    StopSent,
+)
+from robot.refusal import RefusalCode
 from service.audit import record_audit
 from service.cases import store
 from service.cases.records import ArtefactKind, StoredArtefact
@@ -51,6 +63,9 @@ class MotionObserver:
                 return await self._record(event)
             except ServiceError as error:
                 _log.error("observation_not_recorded", event_type=type(event).__name__, code=error.code)
+            except Exception:  # noqa: BLE001  a defect in one record must not keep the faults behind it out of all
+                _log.exception("observation_lost", event_type=type(event).__name__)
+                event = Fault(FaultKind.GUARD_LOST, time.monotonic(), f"a {type(event).__name__} was lost")
             await asyncio.sleep(_AGAIN_S)
 
     async def _record(self, event: Event) -> None:
@@ -102,15 +117,16 @@ class MotionObserver:
         }
         motion_id = str(use.content["motion_id"])
         artefact = motion_artefact(use, self._conductor.journal_folder, {"cause": "refused", **problem})
-        facts = MotionOver(motion_id, at_rest=True, distance_mm=None, angle_rad=None)
+        at_rest = refusal.code is not RefusalCode.ARM_NOT_AT_REST
+        facts = MotionOver(motion_id, at_rest, distance_mm=None, angle_rad=None)
         prepared = Prepared(facts, (artefact,), {"motion": motion_id}, {"cause": "refused", **problem})
         taken = await asyncio.to_thread(self._in_case, use.case_id, Trigger.MISSED, prepared)
         self._tell(event.permit_id, "refused", taken, None, None, problem)
 
     async def _disturbed(self, event: Disturbed) -> None:
-        """A displaced arm; while a sleeve is in, pushing bends it a little, and the drift limits decide (H29)."""
+        """A displaced arm; while a sleeve is in, pushing bends it a little, and the drift, if known, decides (H29)."""
         live = self._conductor.live
-        if live is not None and live.state in INSERTION:
+        if live is not None and live.state in INSERTION and self._conductor.bridge.watch.drift() is not None:
             _log.warning("arm_displaced_during_insertion", offset_mm=event.offset_mm)
             return
         offset_mm, angle_deg = event.offset_mm, math.degrees(event.angle_rad)

@@ -30,9 +30,9 @@ _FAULTS = {
 def outcome_of(ended: MotionEnded, motion_id: str) -> tuple[Trigger, MotionOver | Faulted] | None:
     """The observation that an end amounts to; None for a motion that a person stopped, whose stop is recorded."""
     calm = _CALM.get(ended.cause)
-    if calm is not None:
+    if calm is not None and (ended.program_stopped or not ended.at_rest):
         return calm, MotionOver(motion_id, ended.at_rest, ended.distance_mm, ended.angle_rad)
-    fault = _FAULTS.get(ended.cause)
+    fault = _FAULTS.get(ended.cause) if calm is None else Kind.MOTION_FAULT  # at rest, and its program would not stop
     return None if fault is None else (Trigger.FAULT, Faulted(fault))
 
 

@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import structlog
 from sqlalchemy.engine import Connection
 
 from robot.guard.journal import EVENTS_FILE, read_lines, trajectory_file
@@ -12,14 +13,24 @@ from robot.guard.messages import MotionEnded
 from service.cases import store
 from service.cases.records import ArtefactKind, NewArtefact, StoredArtefact
 
+_log = structlog.get_logger(__name__)
+
 
 def motion_artefact(use: StoredArtefact, folder: Path, content: dict[str, Any]) -> NewArtefact:
     """The motion of a used permit, with its trajectory (JSON lines at the controller's rate, gzip) if there is one."""
-    path = folder / trajectory_file(use.id)
-    trajectory = gzip.compress(path.read_bytes()) if path.is_file() else None
+    trajectory = _trajectory(folder / trajectory_file(use.id))
     made_from = (str(use.content["plan_id"]), use.id)
     columns = {"trajectory": trajectory}
     return NewArtefact(ArtefactKind.MOTION, str(use.content["motion_id"]), made_from, content, columns)
+
+
+def _trajectory(path: Path) -> bytes | None:
+    """The file, compressed; None if there is none to be read: that a motion is over is recorded without it."""
+    try:
+        return gzip.compress(path.read_bytes()) if path.exists() else None
+    except OSError as error:
+        _log.error("trajectory_unreadable", file=path.name, error=repr(error))
+        return None
 
 
 def ending(ended: MotionEnded) -> dict[str, Any]:
