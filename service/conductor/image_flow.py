@@ -45,6 +45,8 @@ class ImageFlow:
                 await asyncio.to_thread(take_in, self._conductor, image_id)
             except ServiceError as error:
                 _log.error("image_not_taken_in", image_id=image_id, code=error.code)
+            except Exception:  # noqa: BLE001  a defect met with one image must not shut out every image after it
+                _log.exception("image_not_taken_in", image_id=image_id)
 
     async def work_through(self) -> None:
         """Register and evaluate what entered a chain; until cancelled."""
@@ -58,6 +60,8 @@ class ImageFlow:
                     await self._register(case_id, image_id)
             except ServiceError as error:
                 _log.error("image_result_not_recorded", image_id=image_id, code=error.code)
+            except Exception:  # noqa: BLE001  as above; the case may retake
+                _log.exception("image_result_not_recorded", image_id=image_id)
 
     def _start(self, taken: Taken) -> None:
         self._loop.call_soon_threadsafe(self._work.put_nowait, taken)

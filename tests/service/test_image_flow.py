@@ -1,0 +1,66 @@
+"""Images on their way into a case: one that meets a defect shuts out none of those behind it (H31)."""
+
+import asyncio
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from service.conductor.image_flow import ImageFlow
+from workflow.decisions import Effect
+
+
+def _conductor() -> Any:
+    return SimpleNamespace(on_effect={})
+
+
+async def _until(work: Any, enough: asyncio.Event) -> None:
+    task = asyncio.create_task(work)
+    await asyncio.wait_for(enough.wait(), 5.0)
+    assert not task.done()
+    task.cancel()
+
+
+def test_an_image_that_breaks_its_taking_in_shuts_out_none_behind_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    taken: list[str] = []
+
+    async def run() -> None:
+        enough, loop = asyncio.Event(), asyncio.get_running_loop()
+
+        def take_in(_conductor: Any, image_id: str) -> None:
+            if image_id == "broken":
+                raise ZeroDivisionError("a defect")
+            taken.append(image_id)
+            loop.call_soon_threadsafe(enough.set)
+
+        monkeypatch.setattr("service.conductor.image_flow.take_in", take_in)
+        monkeypatch.setattr(ImageFlow, "_left_over", lambda _flow: ["broken"])
+        flow = ImageFlow(_conductor())
+        flow.stored("good")
+        await _until(flow.take_in_all(), enough)
+
+    asyncio.run(run())
+    assert taken == ["good"]
+
+
+def test_a_result_that_breaks_its_record_shuts_out_none_behind_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def run() -> None:
+        enough = asyncio.Event()
+
+        async def register(_flow: ImageFlow, _case_id: str, image_id: str) -> None:
+            if image_id == "broken":
+                raise KeyError("a defect")
+            enough.set()
+
+        monkeypatch.setattr(ImageFlow, "_register", register)
+        conductor = _conductor()
+        flow = ImageFlow(conductor)
+        for image_id in ("broken", "good"):
+            event, decision = SimpleNamespace(case_id="case"), SimpleNamespace(effects=())
+            prepared = SimpleNamespace(made={"image": image_id})
+            conductor.on_effect[Effect.REGISTRATION_STARTS](
+                SimpleNamespace(event=event, decision=decision, prepared=prepared)
+            )
+        await _until(flow.work_through(), enough)
+
+    asyncio.run(run())
