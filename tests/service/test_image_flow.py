@@ -34,8 +34,9 @@ def test_an_image_that_breaks_its_taking_in_shuts_out_none_behind_it(monkeypatch
             loop.call_soon_threadsafe(enough.set)
 
         monkeypatch.setattr("service.conductor.image_flow.take_in", take_in)
-        monkeypatch.setattr(ImageFlow, "_left_over", lambda _flow: ["broken"])
+        monkeypatch.setattr(ImageFlow, "_left_over", lambda _flow: [])
         flow = ImageFlow(_conductor())
+        flow.stored("broken")
         flow.stored("good")
         await _until(flow.take_in_all(), enough)
 
