@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from robot.frames import Transform, distance_between
 from robot.guard.messages import Heartbeat, Status
 from service.auth.dependencies import require
+from service.auth.lease import lease_of
 from service.auth.permissions import Permission
 from service.auth.session import Session
 from service.conductor.caller import Caller
@@ -163,9 +164,19 @@ def _progress(status: Status, base_from_goal: Transform) -> dict[str, Any]:
 
 
 def _goal(conductor: Conductor, caller: Caller, permit_id: str) -> Transform:
-    """Where the motion goes; a permit that is not the case's own is refused by the rules, with every verdict."""
+    """Where the motion goes; a permit that is not the case's own is refused by the rules, with every verdict.
+
+    So is a hand without control: its heartbeats would reach the guard before the start of the motion is refused (H15).
+    """
     permit = conductor.case_of(caller.case_id).permit
-    if permit is None or permit.id != permit_id:
+    if permit is None or permit.id != permit_id or not _has_control(conductor, caller):
         start_move(conductor, caller, permit_id)
-        raise AssertionError(f"permit {permit_id} is not the case's, and was taken")
+        raise AssertionError(f"permit {permit_id} is not the case's or the hand without control, and was taken")
     return goal_of_permit(conductor, caller.case_id, permit_id)
+
+
+def _has_control(conductor: Conductor, caller: Caller) -> bool:
+    with conductor.parts.database.read() as connection:
+        lease = lease_of(connection, caller.case_id)
+    newest = None if lease is None else (lease.session_id, lease.fencing_token)
+    return newest == (caller.session.id, caller.control_token)
