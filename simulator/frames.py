@@ -10,14 +10,14 @@ Array = NDArray[np.float64]
 ROOM_FROM_PATIENT = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 
 # Beside the table at the patient's left hip; searched for, so that every planned path can be reached from the parked
-# pose along a straight line, far from every singularity (smallest singular value 0.28 of the wrist-normalised
+# pose along a straight line, far from every singularity (smallest singular value 0.26 of the wrist-normalised
 # Jacobian, limit of the path check 0.05).
 ROOM_FROM_BASE = np.array(
     [[1.0, 0.0, 0.0, -350.0], [0.0, 1.0, 0.0, 640.0], [0.0, 0.0, 1.0, -50.0], [0.0, 0.0, 0.0, 1.0]]
 )
 
-# The guide upright 19 cm to the patient's left of the beam, at the height at which it will be used.
-PARKED_RAD = tuple(float(angle) for angle in np.deg2rad([131.8, -57.2, 122.1, 115.1, -131.8, 0.0]))
+# The guide upright 24 cm to the patient's left of the spine, out of every image, at the height at which it will be used.
+PARKED_RAD = tuple(float(angle) for angle in np.deg2rad([138.228, -60.605, 126.878, 113.727, -138.228, 0.0]))
 
 
 def inverse(pose: Array) -> Array:
