@@ -41,7 +41,7 @@ def test_who_has_control_may_hold(goal_of) -> None:
 def test_a_hand_without_control_is_refused_before_its_first_heartbeat(goal_of, session_id, control_token) -> None:
     with pytest.raises(ServiceError) as caught:
         goal_of(session_id, control_token)
-    assert caught.value.code is ErrorCode.LEASE_LOST
+    assert caught.value.code == ErrorCode.LEASE_LOST
 
 
 def test_another_permit_is_refused(goal_of) -> None:
