@@ -76,7 +76,7 @@ class ProcedureLimits(_Section):
     position_error_mm: float = Field(default=1.5, gt=0, le=5)
     image_age_s: float = Field(default=1800.0, gt=0)
     exposure_window_s: float = Field(default=120.0, gt=0)
-    permit_s: float = Field(default=30.0, gt=0, le=300)
+    permit_s: float = Field(default=30.0, gt=0, le=30)  # a site may shorten the life of a permit, not lengthen it
     depth_mm: float = Field(default=80.0, gt=0, le=300)
 
 

@@ -28,6 +28,7 @@ def test_the_file_beats_defaults_the_environment_the_file_and_arguments_all(tmp_
         "[limits]\nangle_eror_deg = 9.0\n",
         "[limits]\nangle_error_deg = -1.0\n",
         "[limits]\nposition_error_mm = 1500.0\n",
+        "[limits]\npermit_s = 31.0\n",
         "rooom = 'x'\n",
         "[http\nport = 1\n",
         "[http]\nport = 99999\n",
