@@ -16,7 +16,7 @@ ROOM_FROM_BASE = np.array(
     [[1.0, 0.0, 0.0, -350.0], [0.0, 1.0, 0.0, 640.0], [0.0, 0.0, 1.0, -50.0], [0.0, 0.0, 0.0, 1.0]]
 )
 
-# The guide upright 24 cm to the patient's left of the spine, out of every image, at the height at which it will be used.
+# The guide upright 24 cm to the patient's left of the spine, out of every image, at its working height.
 PARKED_RAD = tuple(float(angle) for angle in np.deg2rad([138.228, -60.605, 126.878, 113.727, -138.228, 0.0]))
 
 

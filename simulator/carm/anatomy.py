@@ -50,22 +50,20 @@ def _sum(
 ) -> Array32:
     total = np.zeros(rays.shape[:2], dtype=np.float32)
     for solid in solids:
-        window = _window(solid, camera, source_from_patient, rays.shape[:2])
+        centre = source_from_patient[:3, :3] @ np.array(solid.centre_mm) + source_from_patient[:3, 3]
+        window = window_of(centre, solid.reach_mm, camera, rays.shape[:2])
         if window is not None:
             total[window] += solid.depths(origin, rays[window])
     return total
 
 
-def _window(
-    solid: Solid, camera: Camera, source_from_patient: Array, shape: tuple[int, ...]
-) -> tuple[slice, slice] | None:
-    """The part of the coarse grid that can see a solid; None if no part of it can."""
-    centre = source_from_patient[:3, :3] @ np.array(solid.centre_mm) + source_from_patient[:3, 3]
-    if centre[2] <= solid.reach_mm:
+def window_of(centre: Array, reach_mm: float, camera: Camera, shape: tuple[int, ...]) -> tuple[slice, slice] | None:
+    """The part of the coarse grid that can see a ball about `centre` (source frame, mm); None if no part of it can."""
+    nearest_mm = float(centre[2]) - reach_mm
+    if nearest_mm <= 0.0:
         return slice(0, shape[0]), slice(0, shape[1])
     u, v = camera.project(centre)
-    nearest_mm = centre[2] - solid.reach_mm
-    radius = solid.reach_mm / nearest_mm * camera.source_to_image_mm / camera.pixel_mm * 1.1 + _MARGIN_PX
+    radius = reach_mm / nearest_mm * camera.source_to_image_mm / camera.pixel_mm * 1.1 + _MARGIN_PX
     rows, columns = _span(v, radius, shape[0]), _span(u, radius, shape[1])
     return None if rows.start >= rows.stop or columns.start >= columns.stop else (rows, columns)
 

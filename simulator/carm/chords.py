@@ -7,6 +7,7 @@ Array = NDArray[np.float64]
 
 _APPROACH_ROUNDS = 5  # quadratic convergence from a start within a wire's width
 _ROOT_ROUNDS = 5
+_NEAR_WIRES = 5.0  # a ray that passes the ring's plane further off meets no wire unless the ring is seen edge-on
 _FLATTEST_Z = 1e-6  # of a direction's component along an axis
 
 
@@ -41,17 +42,25 @@ def ring_chord(origin: Array, rays: Array, radius_mm: float, wire_mm: float) -> 
     ray is counted, that near its passage through z = 0, so the ring must not be seen edge-on.
     """
     steep = np.where(np.abs(rays[:, 2]) < _FLATTEST_Z, _FLATTEST_Z, rays[:, 2])
-    along = -origin[2] / steep
+    passage = -origin[2] / steep
+    at_plane = np.hypot(origin[0] + passage * rays[:, 0], origin[1] + passage * rays[:, 1])
+    near = np.flatnonzero(np.abs(at_plane - radius_mm) < _NEAR_WIRES * wire_mm)
+    chord = np.zeros(len(rays))
+    chord[near] = _chord_near_ring(origin, rays[near], passage[near], radius_mm, wire_mm)
+    return chord
+
+
+def _chord_near_ring(origin: Array, rays: Array, along: Array, radius_mm: float, wire_mm: float) -> Array:
+    """Chord (n,) of rays that pass the ring's plane near its circle, at the parameters `along`."""
     for _ in range(_APPROACH_ROUNDS):
         nearest, tangent = _nearest_on_circle(origin + along[:, None] * rays, radius_mm)
         along = _closest_to_line(origin, rays, nearest, tangent)
-    gap = origin + along[:, None] * rays - _nearest_on_circle(origin + along[:, None] * rays, radius_mm)[0]
+    points = origin + along[:, None] * rays
+    gap = points - _nearest_on_circle(points, radius_mm)[0]
     inside = np.sum(np.square(gap), axis=1) < wire_mm**2
     chord = np.zeros(len(rays))
-    if np.any(inside):
-        hit, middle = rays[inside], along[inside]
-        ends = [_surface(origin, hit, middle, side * wire_mm, radius_mm, wire_mm) for side in (-1.0, 1.0)]
-        chord[inside] = ends[1] - ends[0]
+    ends = [_surface(origin, rays[inside], along[inside], side * wire_mm, radius_mm, wire_mm) for side in (-1.0, 1.0)]
+    chord[inside] = ends[1] - ends[0]
     return chord
 
 

@@ -71,6 +71,11 @@ class GuideShape:
             chord += ball_chord(origin - np.array(self.bead_mm), rays, self.bead_diameter_mm / 2.0)
         return _METAL_PER_MM * chord
 
+    def housing_ball(self) -> tuple[Array, float]:
+        """Middle (3,) and radius of a ball that holds the housing, guide frame, mm."""
+        half_length = self.separation_mm / 2.0 + _HOUSING_BEYOND_MM
+        return np.array([0.0, 0.0, -self.separation_mm / 2.0]), float(np.hypot(half_length, _HOUSING_OUTER_MM))
+
     def housing_depths(self, origin: Array, rays: Array) -> Array:
         """Optical depth (n,) of the housing, a tube around both rings."""
         if Part.HOUSING not in self.parts:

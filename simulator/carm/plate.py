@@ -10,6 +10,7 @@ from simulator.carm.camera import Camera
 Array = NDArray[np.float64]
 
 _BALL_PER_MM = 0.50  # attenuation of the balls' metal
+_BEYOND_PX = 120.0  # outside the image on the ideal grid, from where distortion may still bring a ball into it
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,11 +36,15 @@ class Plate:
         depths: Array = _BALL_PER_MM * chord
         return depths
 
-    def near(self, camera: Camera, ideal_px: Array, margin_mm: float) -> NDArray[np.bool_]:
-        """Which ideal pixels (..., 2) lie within a margin of a ball."""
-        reach = self.ball_diameter_mm / 2.0 + margin_mm
-        mask: NDArray[np.bool_] = self._from_ball_squared(camera.detector_mm(ideal_px)) < reach**2
-        return mask
+    def balls_ideal_px(self, camera: Camera) -> Array:
+        """Middles (n, 2) of all balls that the detector could see, ideal pixels."""
+        reach = camera.pixel_mm * float(np.hypot(camera.rows, camera.columns)) / self.spacing_mm
+        steps = np.arange(-np.ceil(reach), np.ceil(reach) + 1.0) * self.spacing_mm
+        x, y = np.meshgrid(steps, steps)
+        c, s = np.cos(self.turn_rad), np.sin(self.turn_rad)
+        on_detector = np.stack([c * x - s * y, s * x + c * y], axis=-1).reshape(-1, 2) + self.offset_mm
+        ideal = on_detector / camera.pixel_mm + (camera.principal_u_px, camera.principal_v_px)
+        return ideal[np.all((ideal > 0.0 - _BEYOND_PX) & (ideal < (camera.columns + _BEYOND_PX)), axis=-1)]
 
     def _from_ball_squared(self, on_detector_mm: Array) -> Array:
         """Squared distance (...) from the nearest ball's middle, mm^2."""

@@ -7,9 +7,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.carm.anatomy import STEP_PX, body_depths, enlarge
+from simulator.carm.anatomy import STEP_PX, body_depths, enlarge, window_of
 from simulator.carm.camera import pixel_grid
 from simulator.carm.exposing import develop
+from simulator.carm.plate import Plate
 from simulator.carm.scene import PlacedGuide, Scene
 from simulator.carm.told import truth_of
 
@@ -18,6 +19,7 @@ Array32 = NDArray[np.float32]
 
 _EMPTY_DEPTH = 1.0  # of a scene without a patient: table and housing of the detector
 _NEAR_WIRE_PX = 10  # width of the band around a wire's projection that is looked at closely
+_AROUND_BALL_PX = 2
 _SUB_PIXELS = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])
 
 
@@ -31,33 +33,35 @@ class RenderedXray:
 
 def render(scene: Scene, seed: int) -> RenderedXray:
     """The image of a scene; the seed draws the quantum noise alone."""
-    ideal = _ideal_grid(scene)
     intensity = np.exp(-enlarge(_soft_depths(scene), scene.camera.columns, scene.camera.rows))
     for guide in scene.guides:
         _shade(intensity, scene, _near_metal(scene, guide), lambda at, guide=guide: _metal_depths(scene, guide, at))
     if scene.plate is not None:
         plate = scene.plate
-        near = plate.near(scene.camera, ideal, margin_mm=scene.camera.pixel_mm)
-        _shade(intensity, scene, near, lambda at: plate.depths(scene.camera, at))
+        _shade(intensity, scene, _near_balls(scene, plate), lambda at: plate.depths(scene.camera, at))
     pixels = develop(intensity, scene, np.random.default_rng(seed))
     return RenderedXray(pixels, truth_of(scene))
 
 
-def _ideal_grid(scene: Scene, step: int = 1) -> Array:
-    raw = pixel_grid(scene.camera, step)
-    return scene.distortion.ideal_from_raw(raw)
-
-
 def _soft_depths(scene: Scene) -> Array32:
     """Body and housings, on the coarse grid."""
-    ideal = _ideal_grid(scene, STEP_PX)
+    ideal = scene.distortion.ideal_from_raw(pixel_grid(scene.camera, STEP_PX))
     total = np.full(ideal.shape[:2], _EMPTY_DEPTH, dtype=np.float32)
     if scene.body is not None:
         total += body_depths(scene.body, scene.camera, scene.source_from_patient, ideal)
     for guide in scene.guides:
-        origin, rays = _in_guide(guide, scene.camera.rays(ideal).reshape(-1, 3))
-        total += guide.shape.housing_depths(origin, rays).reshape(total.shape).astype(np.float32)
+        _add_housing(total, scene, guide, ideal)
     return total
+
+
+def _add_housing(total: Array32, scene: Scene, guide: PlacedGuide, ideal: Array) -> None:
+    """Only where the housing can be: it fills a few per cent of an image."""
+    middle, radius = guide.shape.housing_ball()
+    centre = guide.source_from_guide[:3, :3] @ middle + guide.source_from_guide[:3, 3]
+    window = window_of(centre, radius, scene.camera, total.shape)
+    if window is not None:
+        origin, rays = _in_guide(guide, scene.camera.rays(ideal[window]).reshape(-1, 3))
+        total[window] += guide.shape.housing_depths(origin, rays).reshape(total[window].shape).astype(np.float32)
 
 
 def _near_metal(scene: Scene, guide: PlacedGuide) -> NDArray[np.bool_]:
@@ -74,6 +78,15 @@ def _near_metal(scene: Scene, guide: PlacedGuide) -> NDArray[np.bool_]:
             line = [np.rint(np.clip(raw, -1e4, 1e4)).astype(np.int32)]
             cv2.polylines(band, line, isClosed=False, color=(255,), thickness=width)
     return band > 0
+
+
+def _near_balls(scene: Scene, plate: Plate) -> NDArray[np.bool_]:
+    """The raw pixels around the balls' projections."""
+    spots = np.zeros((scene.camera.rows, scene.camera.columns), dtype=np.uint8)
+    radius = round(plate.ball_diameter_mm / 2.0 / scene.camera.pixel_mm) + _AROUND_BALL_PX
+    for u, v in np.rint(scene.distortion.raw_from_ideal(plate.balls_ideal_px(scene.camera))).astype(int).tolist():
+        cv2.circle(spots, (u, v), radius, (255,), thickness=cv2.FILLED)
+    return spots > 0
 
 
 def _shade(intensity: Array32, scene: Scene, mask: NDArray[np.bool_], depths: Any) -> None:
