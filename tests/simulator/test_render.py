@@ -149,6 +149,8 @@ def test_crop_counts_pixels_from_its_own_corner() -> None:
     assert np.array_equal(part.pixels, whole.pixels[60:984, 100:924])
     shift = np.subtract(whole.truth["target_raw_px"], part.truth["target_raw_px"])
     np.testing.assert_allclose(shift, [100.0, 60.0])
+    shift = np.subtract(whole.truth["ideal_from_raw_px"], part.truth["ideal_from_raw_px"])
+    np.testing.assert_allclose(shift, [[100.0, 60.0, 100.0, 60.0]] * 81, atol=1e-3)
     shift = np.subtract(whole.truth["principal_point_ideal_px"], part.truth["principal_point_ideal_px"])
     np.testing.assert_allclose(shift, [100.0, 60.0])
 

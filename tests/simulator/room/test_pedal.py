@@ -69,9 +69,18 @@ def test_wrong_worklist_entry_goes_out_until_it_is_put_right(pedal: Pedal, room:
     assert fault is not RoomFault.FOREIGN_PATIENT or wrong == FOREIGN_PATIENT_ID
 
 
-def test_mirrored_image_is_flipped_and_the_pixel_follows(pedal: Pedal, room: Room) -> None:
+def _coarse(image) -> np.ndarray:
+    """Means over blocks, in which the noise does not count."""
+    pixels = np.frombuffer(image.PixelData, "<u2").reshape(1024, 1024)
+    return pixels.reshape(64, 16, 64, 16).mean(axis=(1, 3))
+
+
+def test_mirrored_image_is_flipped_and_the_pixel_follows(pedal: Pedal, room: Room, receiver) -> None:
+    pedal.press()
     room.inject(RoomFault.MIRRORED)
     taken, _ = pedal.press()
+    plain, flipped = (_coarse(image) for image in receiver.images)
+    np.testing.assert_allclose(flipped, plain[:, ::-1], atol=600.0)  # of 65535: noise of 256 pixels
     mirrored = pedal.pixel_of("L3-left")
     scene = taken.scene
     pose = scene.source_from_patient
