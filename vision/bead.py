@@ -18,7 +18,7 @@ from vision.refusal import Refusal, RefusalCode
 Array = NDArray[np.float64]
 
 LEAST_AMPLITUDE = 0.35  # of what the wires' absorption predicts for the bead's diameter; dark 8-bit images clip it
-LEAST_EXPLAINED = 0.5  # share of the patch's variation that the bead must explain
+LEAST_EXPLAINED = 0.25  # share of the patch's variation that the bead must explain; a bone edge across it may hold more
 CLEAR_WIN = 20.0  # difference of the logarithms of the two likelihoods
 _PATCH = 1.8  # half side, in bead radii
 _SEARCH_PX = 3.0  # around the predicted place: the first pose's error at the bead

@@ -1,5 +1,6 @@
 """Where in the image the guide may be: pairs of rings with a line, the best supported first."""
 
+from vision.contour import Priors
 from vision.corrected_image import CorrectedImage
 from vision.detection import AxisRange, ring_candidates
 from vision.devices import CArm, Guide
@@ -7,6 +8,7 @@ from vision.first_pose import FirstView, consistent_pairs, first_views
 from vision.profiles import ProfileReader
 from vision.projection import Intrinsics
 from vision.refusal import Refusal, RefusalCode
+from vision.ring_alignment import aligned
 from vision.wires import ridge_points
 
 _NEAREST_SHARE, _FARTHEST_SHARE = 0.45, 0.97  # of the source-to-image distance, where a ring may be
@@ -20,7 +22,7 @@ def wire_width_px(guide: Guide, carm: CArm, nominal: Intrinsics) -> float:
 
 
 def find_candidates(
-    image: CorrectedImage, guide: Guide, carm: CArm, nominal: Intrinsics, reader: ProfileReader
+    image: CorrectedImage, guide: Guide, carm: CArm, priors: Priors, reader: ProfileReader
 ) -> list[FirstView] | Refusal:
     """First views worth refining.
 
@@ -28,8 +30,8 @@ def find_candidates(
     ----------
     image : CorrectedImage
         Where to look.
-    guide, carm, nominal
-        The device files and the intrinsics that they predict.
+    guide, carm, priors
+        The device files and what they predict.
     reader : ProfileReader
         Of the image.
 
@@ -38,6 +40,7 @@ def find_candidates(
     list[FirstView] or Refusal
         At least one; `no_guide_found` where no ring is seen, `ring_missing` where no two belong together.
     """
+    nominal = priors.nominal
     ridge = ridge_points(image.absorption, image.plate.map, wire_width_px(guide, carm, nominal), image.balls_raw)
     per_mm = nominal.alpha_x_px / carm.source_to_image_mm
     axes = AxisRange(
@@ -51,4 +54,5 @@ def find_candidates(
     if not pairs:
         message = "no two of the rings found belong to one guide: consistent pairs"
         return Refusal(RefusalCode.RING_MISSING, message, 0, 1)
-    return [view for upright in pairs for view in first_views(upright, guide, image, reader)]
+    upright = [aligned(view, rings, guide, priors) for view, rings in pairs]
+    return [first for view in upright for first in first_views(view, guide, image, reader)]

@@ -136,7 +136,7 @@ def fit_contour(view: View, guide: Guide, observations: Observations, priors: Pr
     noise_px, correlation = 0.3, 1.0
     for _ in range(4):
         # correlated points are worth fewer: with all of them counted in full the priors would be overruled
-        view, guide = _solve(view, guide, observations, priors, weight, _worth_px(noise_px, correlation))
+        view, guide = solve_view(view, guide, observations, priors, weight, _worth_px(noise_px, correlation))
         residual = _residual(view, guide, observations)
         noise_px = max(LEAST_NOISE_PX, 1.4826 * float(np.median(np.abs(residual))))
         weight = np.clip(1.0 - (residual / (_TUKEY * noise_px)) ** 2, 0.0, None) ** 2
@@ -150,9 +150,11 @@ def _worth_px(noise_px: float, correlation: float) -> float:
     return float(np.hypot(noise_px * np.sqrt(correlation), _UNMODELLED_PX))
 
 
-def _solve(
+def solve_view(
     view: View, guide: Guide, observations: Observations, priors: Priors, weight: Array, noise_px: float
 ) -> tuple[View, Guide]:
+    """One least-squares solution with given weights (n,) and noise of the ridge points, px."""
+
     def residual(step: Array) -> Array:
         return _weighted(*_moved(view, guide, step * _SCALES), observations, priors, weight, noise_px)
 

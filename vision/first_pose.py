@@ -41,15 +41,16 @@ class FirstView:
     line_contrast: float
 
 
-def consistent_pairs(candidates: list[RingCandidate], guide: Guide, nominal: Intrinsics) -> list[View]:
+def consistent_pairs(candidates: list[RingCandidate], guide: Guide, nominal: Intrinsics) -> list[tuple[View, RingPair]]:
     """Views of the pairs of ellipses that can be the guide's rings, the best supported first; the turn is open."""
-    pairs: list[tuple[float, View]] = []
+    pairs: list[tuple[float, View, RingPair]] = []
     for small in candidates:
         for big in candidates:
-            view = None if small is big else _axis_view(RingPair(small.ellipse, big.ellipse), guide, nominal)
+            rings = RingPair(small.ellipse, big.ellipse)
+            view = None if small is big else _axis_view(rings, guide, nominal)
             if view is not None:
-                pairs.append((small.support + big.support, view))
-    return [view for _, view in sorted(pairs, key=lambda pair: -pair[0])]
+                pairs.append((small.support + big.support, view, rings))
+    return [(view, rings) for _, view, rings in sorted(pairs, key=lambda pair: -pair[0])]
 
 
 def first_views(upright: View, guide: Guide, image: CorrectedImage, reader: ProfileReader) -> list[FirstView]:

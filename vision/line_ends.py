@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 _REACH_PX = 10.0
 _STEP_PX = 0.5
 _SEEN_AROUND_PX = 2.5  # of the step: twice the blur's reach
+_STEP_SD = 0.1  # of the line's absorption: what the ground does to a profile
+_PLATEAU_SD = 0.1  # the same, of the heights before and beyond the step
 _BALL_MARGIN = 0.8  # of a profile's reach, kept free around a ball
 
 
@@ -75,13 +77,16 @@ def _free(places: Array, rings: Array, balls: Array, reader: ProfileReader) -> N
 
 
 def _step_fit(x_mm: float, steps: Array, amplitude: Array) -> LineEnd:
+    """Where the absorption falls to half; beyond the end there is none, whatever the ground there pretends."""
     inner = float(np.median(amplitude[steps < -2.0]))
     scale = max(abs(inner), 1e-6)
 
     def excess(parameters: Array) -> Array:
         place, height, ground, width = parameters
         wave = 0.5 * (1.0 - erf((steps - place) / (math.sqrt(2.0) * max(width, 0.3))))
-        return np.asarray((ground + height * wave - amplitude) / scale)
+        left = (ground + height * wave - amplitude) / scale
+        held = np.array([(height - inner) / scale, ground / scale]) / _PLATEAU_SD * _STEP_SD
+        return np.asarray(np.concatenate((left, held)))
 
-    solved = least_squares(excess, (0.0, inner, 0.0, 1.2), loss="soft_l1", f_scale=0.1).x
+    solved = least_squares(excess, (0.0, inner, 0.0, 1.2), loss="soft_l1", f_scale=_STEP_SD).x
     return LineEnd(x_mm, float(np.clip(solved[0], -_REACH_PX, _REACH_PX)), float(solved[1]))

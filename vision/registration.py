@@ -66,10 +66,11 @@ def register(
         return corrected
     nominal = nominal_intrinsics(carm, image.rows, image.columns, corrected.plate.map.pixel_size_mm)
     reader = ProfileReader(corrected.absorption, corrected.plate.map, wire_width_px(guide, carm, nominal))
-    candidates = find_candidates(corrected, guide, carm, nominal, reader)
+    priors = Priors.of(carm, guide, nominal)
+    candidates = find_candidates(corrected, guide, carm, priors, reader)
     if isinstance(candidates, Refusal):
         return candidates
-    scene = Scene(guide, Priors.of(carm, guide, nominal), corrected.plate, reader, corrected.balls_corrected)
+    scene = Scene(guide, priors, corrected.plate, reader, corrected.balls_corrected)
     solution = _only_solution(candidates, scene, corrected)
     if isinstance(solution, Refusal):
         return solution
