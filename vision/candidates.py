@@ -55,4 +55,8 @@ def find_candidates(
         message = "no two of the rings found belong to one guide: consistent pairs"
         return Refusal(RefusalCode.RING_MISSING, message, 0, 1)
     upright = [aligned(view, rings, guide, priors) for view, rings in pairs]
-    return [first for view in upright for first in first_views(view, guide, image, reader)]
+    firsts = [first for view in upright if view is not None for first in first_views(view, guide, image, reader)]
+    if not firsts:
+        message = "no two of the rings found can be those of the guide file: pairs that can"
+        return Refusal(RefusalCode.GUIDE_MISMATCH, message, 0, 1)
+    return firsts

@@ -4,11 +4,11 @@ Free are four intrinsics, the pose and the guide's three dimensions; weak priors
 the dimensions to the guide file's tolerances. Symbols and gates: docs/method.md.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from vision.devices import CArm, Guide
@@ -23,6 +23,9 @@ VIEW_PARAMETERS = 10  # alpha_x, alpha_y, u0, v0 (px), rotation vector (rad), tr
 _TUKEY = 4.685  # standard deviations beyond which an observation has no weight; 95 % efficient on clean data
 LEAST_NOISE_PX = 0.02  # of one ridge point: interpolation and the profile's model are no better
 _UNMODELLED_PX = 0.1  # 0.02 px that map and ground leave in phase over some 30 neighbours
+_GREATEST_STEPS, _HALVINGS = 12, 6
+_SETTLED = 1e-3  # of the scales below: a hundredth of a pixel
+_DIFFERENCE = 1e-3  # the same, for derivatives
 _LAGS = 12  # neighbours along a wire over which noise may be correlated
 
 
@@ -137,7 +140,7 @@ def fit_contour(view: View, guide: Guide, observations: Observations, priors: Pr
     for _ in range(4):
         # correlated points are worth fewer: with all of them counted in full the priors would be overruled
         view, guide = solve_view(view, guide, observations, priors, weight, _worth_px(noise_px, correlation))
-        residual = _residual(view, guide, observations)
+        residual = residual_px(view, guide, observations)
         noise_px = max(LEAST_NOISE_PX, 1.4826 * float(np.median(np.abs(residual))))
         weight = np.clip(1.0 - (residual / (_TUKEY * noise_px)) ** 2, 0.0, None) ** 2
         correlation = _correlation(residual, weight, observations)
@@ -153,13 +156,33 @@ def _worth_px(noise_px: float, correlation: float) -> float:
 def solve_view(
     view: View, guide: Guide, observations: Observations, priors: Priors, weight: Array, noise_px: float
 ) -> tuple[View, Guide]:
-    """One least-squares solution with given weights (n,) and noise of the ridge points, px."""
+    """One least-squares solution with given weights (n,) and noise of the ridge points, px.
+
+    Gauss-Newton, a step halved while it makes things worse: near the solution the projection is almost linear, and
+    every derivative costs a projection of all points.
+    """
 
     def residual(step: Array) -> Array:
         return _weighted(*_moved(view, guide, step * _SCALES), observations, priors, weight, noise_px)
 
-    step = least_squares(residual, np.zeros(len(_SCALES)), method="lm", xtol=1e-10).x * _SCALES
-    return _moved(view, guide, step)
+    step, left = np.zeros(len(_SCALES)), residual(np.zeros(len(_SCALES)))
+    for _ in range(_GREATEST_STEPS):
+        move = np.asarray(np.linalg.lstsq(_derivative(residual, step, left), -left, rcond=None)[0], dtype=np.float64)
+        for _ in range(_HALVINGS):
+            ahead = residual(step + move)
+            if ahead @ ahead <= left @ left:
+                step, left = step + move, ahead
+                break
+            move = move / 2.0
+        if np.abs(move).max() < _SETTLED:
+            break
+    return _moved(view, guide, step * _SCALES)
+
+
+def _derivative(residual: Callable[[Array], Array], step: Array, here: Array) -> Array:
+    """Derivative (n, 13) of a residual (n,) by forward differences; `here` is its value at `step`."""
+    ways = np.eye(len(step)) * _DIFFERENCE
+    return np.column_stack([(residual(step + way) - here) / _DIFFERENCE for way in ways])
 
 
 # Steps of about equal effect on the image: px, rad, mm; then the guide's radii and separation, mm.
@@ -187,7 +210,7 @@ def _moved(view: View, guide: Guide, step: Array) -> tuple[View, Guide]:
     return View(moved, pose), dimensions
 
 
-def _residual(view: View, guide: Guide, observations: Observations) -> Array:
+def residual_px(view: View, guide: Guide, observations: Observations) -> Array:
     """Distance (n,) of each ridge point from the model along its normal, corrected px."""
     model = project(view, points_in_guide(guide, observations.wire, observations.along))
     return np.asarray(((observations.measured - model) * observations.normals).sum(axis=1))
@@ -204,7 +227,7 @@ def _weighted(
     """Everything in its standard deviations: ridge points, single points, priors."""
     return np.concatenate(
         (
-            _residual(view, guide, observations) * np.sqrt(weight) / noise_px,
+            residual_px(view, guide, observations) * np.sqrt(weight) / noise_px,
             _extra_residual(view, observations) / observations.extra_sd_px,
             list(priors.pulls(view, guide).values()),
         )
@@ -240,7 +263,8 @@ def _covariance(
     def residual(step: Array) -> Array:
         return _weighted(*_moved(view, guide, step * _SCALES), observations, priors, weight, noise_px)
 
-    jacobian = least_squares(residual, np.zeros(len(_SCALES)), method="lm", max_nfev=1, diff_step=1e-3).jac / _SCALES
+    here = np.zeros(len(_SCALES))
+    jacobian = _derivative(residual, here, residual(here)) / _SCALES
     inverse = np.linalg.inv(jacobian.T @ jacobian)
     count = len(observations.along)
     gain = inverse @ (jacobian[:count] * (np.sqrt(weight) / noise_px)[:, None]).T

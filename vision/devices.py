@@ -5,9 +5,11 @@ Every range spans less than a factor of 57: a length written in metres (x 1000) 
 """
 
 import hashlib
+from collections.abc import Hashable
 from dataclasses import dataclass
 from datetime import date, datetime
 from enum import StrEnum
+from functools import cache
 from typing import Annotated, Any, get_type_hints
 
 from vision.table import Table
@@ -25,10 +27,16 @@ class Plausible:
     high: float
 
 
+@cache
+def _hints(kind: Hashable) -> dict[str, Any]:
+    """Annotations of a class; a fit makes thousands of guides of slightly other dimensions."""
+    return get_type_hints(kind, include_extras=True)
+
+
 def _check_ranges(device: Any) -> None:
     """ValueError naming the first field outside its plausible range."""
     kind = type(device)
-    for name, hint in get_type_hints(kind, include_extras=True).items():
+    for name, hint in _hints(kind).items():
         for limit in getattr(hint, "__metadata__", ()):
             value = getattr(device, name)
             if not limit.low <= value <= limit.high:

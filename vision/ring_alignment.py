@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.conics import RingPair, conic_from_ellipse
-from vision.contour import Observations, Priors, solve_view
+from vision.contour import Observations, Priors, residual_px, solve_view
 from vision.devices import Guide
 from vision.projection import View
 from vision.wire_model import Wire, WireSamples, sample_wires
@@ -17,10 +17,11 @@ Array = NDArray[np.float64]
 _EVERY = 8  # sample of the rings: an ellipse is smooth
 _ELLIPSE_SD_PX = 1.0  # of the candidate ellipses
 _TURN_SD_PX = 3.0
+_WORST_PX = 2.0  # root mean square; rings of another size or separation leave more
 _ROUNDS = 3
 
 
-def aligned(view: View, rings: RingPair, guide: Guide, priors: Priors) -> View:
+def aligned(view: View, rings: RingPair, guide: Guide, priors: Priors) -> View | None:
     """The view fitted to both ellipses under the priors; its turn about the guide's axis stays open.
 
     Parameters
@@ -34,14 +35,15 @@ def aligned(view: View, rings: RingPair, guide: Guide, priors: Priors) -> View:
 
     Returns
     -------
-    View
-        Within a pixel or so of the ellipses.
+    View or None
+        None where the guide of the file cannot look like these ellipses.
     """
     for _ in range(_ROUNDS):
         observations = _on_ellipses(view, rings, guide)
         weight = np.ones(len(observations.along))
         view, _ = solve_view(view, guide, observations, priors, weight, _ELLIPSE_SD_PX)
-    return view
+    left = residual_px(view, guide, _on_ellipses(view, rings, guide))
+    return view if float(np.sqrt((left**2).mean())) < _WORST_PX else None
 
 
 def _on_ellipses(view: View, rings: RingPair, guide: Guide) -> Observations:
