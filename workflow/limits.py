@@ -25,9 +25,10 @@ class Limits:
     # H29, alarm limits of the pose that is watched while inserting.
     drift_mm: float = 0.3
     drift_rad: float = math.radians(0.1)
-    # H10: a TCP calibration is known to 0.1 mm and 0.05 deg; the controller stores what it is sent.
-    tcp_difference_mm: float = 0.1
-    tcp_difference_rad: float = math.radians(0.05)
+    # H10, the coarse check: this difference is seen through the nominal kinematics, from which a calibrated arm is off
+    # by 1 to 2 mm, as in the path check. The exact one is the guard's, which reads the controller's TCP before it moves.
+    tcp_difference_mm: float = 5.0
+    tcp_difference_rad: float = math.radians(1.0)
     payload_difference_kg: float = 0.05
     # Arrival: the guard's own tolerance.
     arrival_mm: float = 0.1

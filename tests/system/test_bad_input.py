@@ -8,6 +8,7 @@ from service.client import Refused
 from simulator.controller import PowerAction
 
 PIN = "2468"
+_MOVE_COMMANDS = (1, 2, 3, 4)  # of the control program: joints, pose, straight line, straight line to joints
 
 
 def _refused(call) -> Refused:
@@ -129,16 +130,47 @@ def test_a_permit_that_was_never_given_moves_nothing(case, controller) -> None:
     assert np.array_equal(before, controller.state().joints_rad)
 
 
-def test_a_tool_that_is_not_the_calibrated_one_is_approved_for_no_motion(case, lift, controller) -> None:
+@pytest.fixture
+def shifted_tcp(case, controller, until):
+    """Shift the controller's TCP setting by so many mm, which the guard sees as a displaced arm."""
     right = controller.state().flange_from_tcp
-    wrong = right.copy()
-    wrong[0, 3] += 2.0
-    controller.set_tcp(wrong)
-    try:
-        refused = _refused(lambda: case.approve(lift(10.0), PIN))
-        assert "tcp_mm" in _failed(refused)
-    finally:
-        controller.set_tcp(right)
+
+    def shift(offset_mm: float) -> None:
+        wrong = right.copy()
+        wrong[0, 3] += offset_mm
+        controller.set_tcp(wrong)
+        until(lambda: "arm_disturbed" in {event["trigger"] for event in case.record()})
+
+    yield shift
+    controller.set_tcp(right)
+
+
+def test_a_grossly_wrong_tcp_is_no_plan(lift, shifted_tcp) -> None:
+    shifted_tcp(6.0)
+    refused = _refused(lambda: lift(10.0))
+    assert refused.code == "model_mismatch"
+    assert refused.measured > refused.limit
+
+
+def test_a_tcp_that_is_off_by_2_mm_is_refused_by_the_guard_before_anything_moves(
+    case, lift, shifted_tcp, controller
+) -> None:
+    """Nominal kinematics cannot tell 2 mm from a calibrated arm, so the plan is approved: the guard reads the TCP."""
+    shifted_tcp(2.0)
+    before, joints = controller.wire()[-1].number, controller.state().joints_rad
+    with case.hold(case.approve(lift(10.0), PIN)) as hold:
+        ended = hold.wait(20.0)
+    assert (ended.cause, ended.problem["code"]) == ("refused", "tcp_mismatch")
+    assert ended.problem["measured"] == pytest.approx(2.0, abs=0.01)
+    assert ended.problem["measured"] > ended.problem["limit"]
+    assert ended.problem["what_to_do"]
+    assert _moves(controller, before) == []
+    assert np.array_equal(joints, controller.state().joints_rad)
+
+
+def _moves(controller, after: int) -> list[str]:
+    """Moves that reached the controller since."""
+    return [one.text for one in controller.wire(after) if one.command in _MOVE_COMMANDS]
 
 
 def test_an_arm_that_is_off_is_told_and_approved_for_no_motion(case, lift, controller, until) -> None:
