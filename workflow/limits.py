@@ -26,7 +26,7 @@ class Limits:
     drift_mm: float = 0.3
     drift_rad: float = math.radians(0.1)
     # H10, the coarse check: this difference is seen through the nominal kinematics, from which a calibrated arm is off
-    # by 1 to 2 mm, as in the path check. The exact one is the guard's, which reads the controller's TCP before it moves.
+    # by 1 to 2 mm, as in the path check. The exact one is the guard's: it reads the controller's TCP before it moves.
     tcp_difference_mm: float = 5.0
     tcp_difference_rad: float = math.radians(1.0)
     payload_difference_kg: float = 0.05
