@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
@@ -20,6 +21,7 @@ from workflow.triggers import Trigger
 
 # HHMMSS.FFFFFF; a sender's time of another form is no time, and must not end the taking in of images.
 _TIME = re.compile(r"([0-9]{2})([0-9]{2})([0-9]{2}(?:\.[0-9]{0,6})?)")
+_Time = tuple[str, float]
 
 
 def take_in(conductor: Conductor, image_id: str) -> Taken | None:
@@ -61,7 +63,7 @@ def _facts(standing: Standing, image: StoredImage, exposure: Exposure | None) ->
         study_matches=image.study_uid == case.study_uid if image.study_uid and usable else None,
         sop_uid_unseen=_unseen(connection, image, "sop_uid") if usable else None,
         pixels_unseen=_unseen(connection, image, "pixel_sha256") if usable else None,
-        newer_by_carm_clock=_newer(connection, image),
+        newer_by_carm_clock=_newer(connection, image, case.id),
         moved_mm=exposure.largest.offset_mm if exposure else None,
         moved_rad=exposure.largest.angle_rad if exposure else None,
     )
@@ -77,22 +79,33 @@ def _unseen(connection: Connection, image: StoredImage, column: str) -> bool | N
     return connection.execute(query.limit(1)).first() is None
 
 
-def _newer(connection: Connection, image: StoredImage) -> bool | None:
-    """Whether the C-arm's own clock went on since its previous image; its offset from ours is never trusted (H02)."""
+def _newer(connection: Connection, image: StoredImage, case_id: str) -> bool | None:
+    """Whether the C-arm's own clock has passed every image of the case; its offset from ours is never trusted (H02).
+
+    Every one, taken into the chain or not: an old image that was refused lets no other old one in behind it. The first
+    image of a case is held against the C-arm's last one before it.
+    """
     taken = _carm_time(image.metadata)
     if taken is None:
         return None
-    images = tables.images
+    of_case = max(_times(connection, image, case_id), default=None)
+    newest = of_case or next(_times(connection, image, None), None)
+    return newest is None or taken > newest
+
+
+def _times(connection: Connection, image: StoredImage, case_id: str | None) -> Iterator[_Time]:
+    """When the same C-arm took what arrived before an image, last first: in one case, or ever."""
+    images, purposes = tables.images, tables.image_purposes
     query = sa.select(images.c.metadata).where(images.c.position < image.position, images.c.problem.is_(None))
-    station = image.metadata.get("station")
+    if case_id is not None:
+        query = query.join(purposes, purposes.c.image_id == images.c.id).where(purposes.c.case_id == case_id)
     for metadata in connection.execute(query.order_by(images.c.position.desc())).scalars():
-        before = _carm_time(metadata)
-        if before is not None and metadata.get("station") == station:
-            return taken > before
-    return True
+        told = _carm_time(metadata)
+        if told is not None and metadata.get("station") == image.metadata.get("station"):
+            yield told
 
 
-def _carm_time(metadata: Any) -> tuple[str, float] | None:
+def _carm_time(metadata: Any) -> _Time | None:
     """Date and seconds of the acquisition, of the content where the acquisition is not told."""
     for kind in ("acquisition", "content"):
         day, time = metadata.get(f"{kind}_date"), metadata.get(f"{kind}_time")
