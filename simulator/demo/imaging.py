@@ -1,11 +1,15 @@
 """The radiographer's part: the C-arm turned and confirmed, exposures requested and made."""
 
+from service.client import Case
 from simulator.demo.failure import DemoFailed, measured
+from simulator.demo.patience import patiently
 from simulator.demo.team import Team
 from simulator.demo.watching import Json, await_event, why
 
 _RESULT_WITHIN_S = 60.0
-_NOT_VERIFIED = "moved"
+_TAKES = 2  # exposures for one result
+_REGISTRATION = ("registration_completed", "registration_refused")
+_VERIFICATION = ("verification_passed", "verification_failed", "verification_refused")
 
 
 def turn_carm(team: Team, pedicle: str) -> None:
@@ -16,17 +20,19 @@ def turn_carm(team: Team, pedicle: str) -> None:
     operator.command("carm-moved", what=f"view for {pedicle}")
     with team.teller.doing("the C-arm turns"):
         team.door.position_carm(primary_deg, secondary_deg, pedicle)
+    patiently(team, lambda: _confirm_position(operator))
+    team.teller.tell(f"C-arm at {primary_deg:.1f} / {secondary_deg:.1f} deg: {angles['words']}")
+
+
+def _confirm_position(operator: Case) -> None:
     operator.status()
     operator.command("carm-position-confirmed")
-    team.teller.tell(f"C-arm at {primary_deg:.1f} / {secondary_deg:.1f} deg: {angles['words']}")
 
 
 def take_registration(team: Team) -> Json:
     """An exposure, and the guide found in it: the event with what the registration says of itself; DemoFailed."""
-    event = _expose(team, ("registration_completed", "registration_refused"))
+    event = _usable(team, _REGISTRATION, "carm_positioned")
     data = event["data"]
-    if event["state"] != "registered":
-        raise _refused(team, event, "no registration")
     predicted = data["predicted_error_95"]
     team.teller.tell(
         f"registered: residual {data['residual_rms_px']:.3f} px, {data['balls']} balls, "
@@ -37,10 +43,19 @@ def take_registration(team: Team) -> Json:
 
 def take_verification(team: Team) -> Json:
     """An exposure after a motion, and its evaluation: the event with both figures; DemoFailed."""
-    event = _expose(team, ("verification_passed", "verification_failed", "verification_refused"))
-    if event["state"] == _NOT_VERIFIED:
-        raise _refused(team, event, "no verification")
-    return event
+    return _usable(team, _VERIFICATION, "moved")
+
+
+def _usable(team: Team, wanted: tuple[str, ...], refused_in: str) -> Json:
+    """The result of an exposure, of another one where an image was refused; DemoFailed with the last reason."""
+    for take in range(1, _TAKES + 1):
+        event = patiently(team, lambda: _expose(team, wanted))
+        if event["state"] != refused_in:
+            return event
+        refused = _refused(team, event)
+        if take < _TAKES:
+            team.teller.tell(f"image refused, another exposure: {refused}")
+    raise refused
 
 
 def _expose(team: Team, wanted: tuple[str, ...]) -> Json:
@@ -51,8 +66,8 @@ def _expose(team: Team, wanted: tuple[str, ...]) -> Json:
         return await_event(team.surgeon, after, wanted, _RESULT_WITHIN_S)
 
 
-def _refused(team: Team, event: Json, text: str) -> DemoFailed:
+def _refused(team: Team, event: Json) -> DemoFailed:
     reason = event["data"].get("reason")
     if reason is not None:
-        return DemoFailed(str(reason["code"]), f"{text}: {reason['message']}, {measured(reason)}")
-    return DemoFailed("interlock_refused", f"{text}: {why(team.surgeon, event['trigger'])}")
+        return DemoFailed(str(reason["code"]), f"{reason['message']}, {measured(reason)}")
+    return DemoFailed("interlock_refused", why(team.surgeon, event["trigger"]))

@@ -1,37 +1,36 @@
 """The surgeon's part with the arm: a plan, the approval with the PIN, the held button."""
 
-import time
 from typing import Any
 
-from service.client import Case, HoldEnded
-from simulator.demo.failure import DemoFailed, failed_motion
+from service.client import HoldEnded
+from simulator.demo.failure import failed_motion
+from simulator.demo.patience import patiently
 from simulator.demo.results import Moved
 from simulator.demo.team import Team
 
 _LONGEST_S = 120.0
-_ARRIVED, _HEARTBEAT_LOST = "arrived", "heartbeat_lost"
-_HOLDS = 3  # a crowded machine loses a heartbeat now and then, as a crowded network would
-_CALM_WITHIN_S = 5.0
-_LOOK_EVERY_S = 0.1
+_ARRIVED = "arrived"
 _SHORTEST_RETREAT_MM = 1.0  # the service plans none shorter
 
 
 def move(team: Team, kind: str, **goal: Any) -> Moved:
     """One motion, held until it arrives; DemoFailed if it ends otherwise, Refused where it is not allowed.
 
-    A lost heartbeat stops the arm; a surgeon then looks, acknowledges, and approves a new plan from where it stands.
+    After a lost heartbeat a new plan goes on from where the arm stands; what was planned first is returned.
     """
-    moved, ended = _hold(team, kind, goal)
-    for _ in range(_HOLDS - 1):
-        if ended.cause != _HEARTBEAT_LOST:
-            break
-        team.teller.tell(f"{kind}: the heartbeat was lost, the arm stopped; acknowledged, planned anew")
-        _acknowledge(team.surgeon)
-        _, ended = _hold(team, kind, _rest_of(goal, ended))
-    if ended.cause != _ARRIVED:
-        raise failed_motion(kind, ended)
+    planned: list[Moved] = []
+    left = dict(goal)
+
+    def hold_once() -> None:
+        moved, ended = _hold(team, kind, left)
+        planned.append(moved)
+        if ended.cause != _ARRIVED:
+            left.update(_rest_of(left, ended))
+            raise failed_motion(kind, ended)
+
+    patiently(team, hold_once)
     team.surgeon.status()
-    return moved
+    return planned[0]
 
 
 def _hold(team: Team, kind: str, goal: dict[str, Any]) -> tuple[Moved, HoldEnded]:
@@ -50,16 +49,5 @@ def _hold(team: Team, kind: str, goal: dict[str, Any]) -> tuple[Moved, HoldEnded
 def _rest_of(goal: dict[str, Any], ended: HoldEnded) -> dict[str, Any]:
     """Goals are poses, except for a retreat, which counts from where the arm stands."""
     if "distance_mm" not in goal:
-        return goal
+        return {}
     return {"distance_mm": max(ended.distance_mm or 0.0, _SHORTEST_RETREAT_MM)}
-
-
-def _acknowledge(surgeon: Case) -> None:
-    """Leave the hold as soon as the arm is seen at rest."""
-    end_s = time.monotonic() + _CALM_WITHIN_S
-    while not (allowance := surgeon.status()["allowed"]["acknowledged"])["allowed"]:
-        if time.monotonic() > end_s:
-            reasons = "; ".join(f"{reason['code']}: {reason['message']}" for reason in allowance["reasons"])
-            raise DemoFailed("not_acknowledged", reasons)
-        time.sleep(_LOOK_EVERY_S)
-    surgeon.command("acknowledged", guide="empty")

@@ -4,6 +4,7 @@ from simulator.demo.door_client import Door
 from simulator.demo.failure import DemoFailed
 from simulator.demo.imaging import take_registration, take_verification, turn_carm
 from simulator.demo.moving import move
+from simulator.demo.patience import patiently
 from simulator.demo.results import Moved, TargetResult, Verified
 from simulator.demo.team import Team
 from simulator.demo.watching import Json
@@ -57,11 +58,15 @@ def _aim(team: Team, pedicle: str) -> tuple[tuple[Moved, ...], tuple[Verified, .
     while not verified[-1].passed:
         if len(moved) > _CORRECTIONS:
             raise DemoFailed("off_target", f"{pedicle} is still off after {_CORRECTIONS} corrections")
-        team.surgeon.status()
-        team.surgeon.command("correction-requested", reason="error and bound exceed the limits")
+        patiently(team, lambda: _correct(team))
         moved.append(move(team, "corrective"))
         verified.append(_verify(team, pedicle))
     return tuple(moved), tuple(verified)
+
+
+def _correct(team: Team) -> None:
+    team.surgeon.status()
+    team.surgeon.command("correction-requested", reason="error and bound exceed the limits")
 
 
 def _verify(team: Team, pedicle: str) -> Verified:
@@ -91,10 +96,14 @@ def _figures(event: Json, door: Door, pedicle: str) -> Verified:
     )
 
 
-def _insert(team: Team) -> None:
-    """The arm locked, the sleeve in, the sleeve out: the guide is empty again."""
+def _start_insertion(team: Team) -> None:
     team.surgeon.status()
     team.surgeon.command("insertion-started", pin=team.pin)
+
+
+def _insert(team: Team) -> None:
+    """The arm locked, the sleeve in, the sleeve out: the guide is empty again."""
+    patiently(team, lambda: _start_insertion(team))
     team.operator.command("sleeve-in")
     team.operator.command("sleeve-removed", guide="empty")
     alarms = team.surgeon.status()["alarms"]
