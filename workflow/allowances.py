@@ -1,5 +1,8 @@
 """What may be asked now: the part of the status object that a tablet shows."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 from workflow.case import CaseState
 from workflow.decisions import Allowance
 from workflow.inquiry import Inquiry
@@ -13,13 +16,23 @@ from workflow.totality import listed
 from workflow.triggers import REQUESTS, Trigger
 
 
-def allowed(case: CaseState, snapshot: SafetySnapshot | None, limits: Limits, now_s: float) -> dict[Trigger, Allowance]:
+def allowed(
+    case: CaseState,
+    snapshot: SafetySnapshot | None,
+    limits: Limits,
+    now_s: float,
+    own: Mapping[Trigger, SafetySnapshot] = MappingProxyType({}),
+) -> dict[Trigger, Allowance]:
     """For every request: whether it would be taken now, else every reason why not and what leads onwards.
 
     What comes with a request, and whether the button is held, is not known before it is made and not judged here.
+    `own` holds the snapshots of triggers that rely on another image than the case's.
     """
     known = snapshot or unknown_snapshot()
-    return {trigger: _allowance(Inquiry(case, trigger, None, known, limits, now_s)) for trigger in REQUESTS}
+    return {
+        trigger: _allowance(Inquiry(case, trigger, None, own.get(trigger, known), limits, now_s))
+        for trigger in REQUESTS
+    }
 
 
 def _allowance(inquiry: Inquiry) -> Allowance:

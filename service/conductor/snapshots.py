@@ -1,7 +1,7 @@
 """What the interlocks are told of the world: every reading with its measured age, unknown where nothing was read."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from robot.guard.messages import Phase
@@ -17,6 +17,8 @@ from workflow.triggers import Trigger
 # Waited for at most, so that a machine under load refuses nothing for a reading that is just arriving.
 _WAIT_S = 0.3
 _UNKNOWN: Reading[Any] = Reading(None, math.inf)
+# These rely on the pose of another exposure than that of the case's image.
+OF_ANOTHER_IMAGE = (Trigger.NEWEST_IMAGE_REUSED, Trigger.CORRECTION_REQUESTED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +47,12 @@ def measure(watch: ArmWatch, case: CaseState, trigger: Trigger, held: Held) -> S
         devices_in_date=Reading(devices.in_date, 0.0) if devices else _UNKNOWN,
         control_token=Reading(held.control_token, 0.0),
     )
+
+
+def measured_for(snapshot: SafetySnapshot, watch: ArmWatch, case: CaseState, trigger: Trigger) -> SafetySnapshot:
+    """The same moment, with the displacement since the exposure that another trigger relies on."""
+    unaccounted, age_s = watch.unaccounted(_image_of(case, trigger)), snapshot.joints_rad.age_s
+    return replace(snapshot, unaccounted_mm=_offset(unaccounted, age_s), unaccounted_rad=_angle(unaccounted, age_s))
 
 
 def _image_of(case: CaseState, trigger: Trigger) -> str | None:

@@ -13,13 +13,15 @@ from service.cases.preconditions import etag
 from service.conductor.answers import AllowanceAnswer, ArmAnswer, LeaseAnswer, ReasonAnswer, StatusAnswer
 from service.conductor.conductor import Conductor, TheConductor
 from service.conductor.route_errors import READING
-from service.conductor.taking import Standing, stand
+from service.conductor.snapshots import OF_ANOTHER_IMAGE, measured_for
+from service.conductor.taking import Rules, Standing, stand
 from service.conductor.target_list import target_states
 from service.motion.arm_watch import ArmReading
 from workflow.case import CaseState
 from workflow.decisions import Allowance
 from workflow.links import Link
 from workflow.machine import allowed
+from workflow.snapshot import SafetySnapshot
 from workflow.states import GuideState
 from workflow.triggers import Trigger
 from workflow.verdicts import Verdict
@@ -43,8 +45,7 @@ def read_status(
 
 
 def _status(conductor: Conductor, standing: Standing, session: Session, targets: dict[str, str]) -> StatusAnswer:
-    case, rules = standing.case, conductor.rules
-    allowances = allowed(case, standing.snapshot, rules.limits, rules.clock())
+    case, offered = standing.case, allowances(standing.case, standing.snapshot, conductor.rules)
     return StatusAnswer(
         case_id=case.case_id,
         state=case.state,
@@ -58,12 +59,18 @@ def _status(conductor: Conductor, standing: Standing, session: Session, targets:
         running_motion=None if case.running is None else {"id": case.running.id, "kind": case.running.kind},
         corrections=case.corrections,
         images=case.images,
-        allowed={trigger: _allowance(allowance) for trigger, allowance in allowances.items()},
+        allowed={trigger: _allowance(allowance) for trigger, allowance in offered.items()},
         arm=_arm(conductor.bridge.watch.reading()),
         lease=_lease(standing.lease, session),
         alarms=_alarms(case),
         targets=targets,
     )
+
+
+def allowances(case: CaseState, snapshot: SafetySnapshot, rules: Rules) -> dict[Trigger, Allowance]:
+    """What may be asked now, each request on the displacement since the exposure that it relies on."""
+    own = {trigger: measured_for(snapshot, rules.watch, case, trigger) for trigger in OF_ANOTHER_IMAGE}
+    return allowed(case, snapshot, rules.limits, rules.clock(), own)
 
 
 def _chain(case: CaseState) -> dict[str, str | None]:

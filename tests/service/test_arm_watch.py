@@ -1,5 +1,6 @@
 """What the service believes of the arm's place: unknown where the guard saw nothing (H04)."""
 
+from dataclasses import replace
 from itertools import count
 
 import numpy as np
@@ -8,18 +9,29 @@ import pytest
 from robot.arm import ArmState
 from robot.guard.messages import EndCause, Fault, FaultKind, MotionEnded, MotionStarted, Phase, Status
 from robot.safety import SafetyState
+from service.conductor.snapshots import Held, measure
+from service.conductor.status import allowances
+from service.conductor.taking import Rules
 from service.motion.arm_watch import ArmWatch
+from workflow.case import Motion, Plan, Verification, opened
+from workflow.limits import Limits
+from workflow.links import Artefact
+from workflow.plans import PlanKind
+from workflow.states import GuideState, State
+from workflow.triggers import Trigger
 
 
 class Told(ArmWatch):
     """A watch that is told of an arm at places along base x."""
 
     def __init__(self) -> None:
-        super().__init__(lambda: 0.0)
+        super().__init__(lambda: self.now_s)
+        self.now_s = 0.0
         self._numbers = count(1)
 
     def seen(self, x_mm: float, phase: Phase = Phase.IDLE) -> None:
         number = next(self._numbers)
+        self.now_s = 0.01 * number
         self.take(Status(number, 0.01 * number, phase, "", True, arm_at(x_mm, 0.01 * number), None, False, None))
 
     def started(self, x_mm: float) -> None:
@@ -91,3 +103,33 @@ def test_an_exposure_behind_many_requests_is_unknown_and_not_still(watch):
         watch.open_exposure(f"window {number}")
     assert watch.exposure_of_window("window 0") is None
     assert watch.exposure_of_window("window 19") is not None
+
+
+def _offered(watch: Told, trigger: Trigger, **changes: object) -> set[str]:
+    """What the status holds against a trigger in a case whose image is `image`; empty where it is offered."""
+    image, motion = Artefact("image", ("view",)), Motion("motion", ("plan", "permit"), PlanKind.TARGETING)
+    chain = {"view": Artefact("view", ()), "image": image, "registration": Artefact("registration", ("image",))}
+    case = replace(opened("case"), guide=GuideState.EMPTY, **(chain | changes), motion=motion)
+    snapshot = measure(watch, case, Trigger.READ, Held(None, None))
+    answer = allowances(case, snapshot, Rules(watch, Limits(), lambda: 0.0))[trigger]
+    return set() if answer.allowed else {answer.code, *(verdict.code for verdict in answer.reasons)}
+
+
+def test_the_status_offers_the_newest_image_again_by_its_own_exposure(watch):
+    again = {"state": State.CARM_POSITIONED, "image": None, "registration": None, "newest_image_id": "newest"}
+    watch.seen(0.2)
+    watch.exposed("newest")
+    assert _offered(watch, Trigger.NEWEST_IMAGE_REUSED, **again) == set()
+    watch.seen(0.4)
+    assert _offered(watch, Trigger.NEWEST_IMAGE_REUSED, **again) == {"interlock", "unaccounted_mm"}
+
+
+def test_the_status_judges_a_correction_by_the_exposure_of_the_verification(watch):
+    judged = Verification("evaluation", ("verifying", "motion"), "verifying", "motion", passed=False, judged_s=0.0)
+    target, plan = Artefact("target", ("image", "registration")), Plan("plan", (), PlanKind.TARGETING, False, (), True)
+    off = {"state": State.OFF_TARGET, "target": target, "plan": plan, "verification": judged}
+    watch.exposed("verifying")
+    watch.seen(0.2)
+    assert "unaccounted_mm" in _offered(watch, Trigger.CORRECTION_REQUESTED, **off)
+    watch.exposed("verifying")
+    assert _offered(watch, Trigger.CORRECTION_REQUESTED, **off) == set()
