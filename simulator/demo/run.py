@@ -23,6 +23,7 @@ from simulator.demo.telling import Teller, open_console
 _DONE, _FAILED, _INTERRUPTED = 0, 1, 130
 _ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _LOOK_EVERY_S = 0.5
+_GONE_WITHIN_S = 1.0  # a connection breaks before its process has ended
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,8 +73,8 @@ def _place_all(stage: Stage, wanted: Wanted, teller: Teller) -> None:
     try:
         for result in run_case(stage, pedicles, teller):
             results.append(result)
-    except httpx.HTTPError:
-        stage.check_alive()  # a process that is gone explains more than an answer that did not come
+    except (httpx.HTTPError, TimeoutError):
+        stage.check_alive(_GONE_WITHIN_S)  # a process that is gone explains more than an answer that did not come
         raise
     finally:
         if results:

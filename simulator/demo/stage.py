@@ -1,6 +1,7 @@
 """Service and room as two processes on free loopback ports, the first users, the device files."""
 
 import socket
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from simulator.demo.telling import Teller
 from simulator.devices import GUIDE_FILE, INTENSIFIER_FILE, TCP_FILE
 
 _UP_WITHIN_S = 60.0
+_LOOK_EVERY_S = 0.05
 _DEVICE_FILES = {"guide": GUIDE_FILE, "carm": INTENSIFIER_FILE, "tcp": TCP_FILE}
 
 
@@ -35,11 +37,16 @@ class Stage:
         client.sign_in(person.name, person.password)
         return client
 
-    def check_alive(self) -> None:
-        """DemoFailed if a process is gone."""
-        for child in self.children:
-            if child.ended:
-                raise DemoFailed(f"{child.name}_ended", child.last_words())
+    def check_alive(self, within_s: float = 0.0) -> None:
+        """DemoFailed if a process is gone, or goes in this time."""
+        end_s = time.monotonic() + within_s
+        while True:
+            for child in self.children:
+                if child.ended:
+                    raise DemoFailed(f"{child.name}_ended", child.last_words())
+            if time.monotonic() >= end_s:
+                return
+            time.sleep(_LOOK_EVERY_S)
 
 
 @dataclass(frozen=True, slots=True)
