@@ -5,7 +5,6 @@ Every range spans less than a factor of 57: a length written in metres (x 1000) 
 """
 
 import hashlib
-from collections.abc import Hashable
 from dataclasses import dataclass
 from datetime import date, datetime
 from enum import StrEnum
@@ -28,14 +27,14 @@ class Plausible:
 
 
 @cache
-def _hints(kind: Hashable) -> dict[str, Any]:
+def _hints(kind: Any) -> dict[str, Any]:
     """Annotations of a class; a fit makes thousands of guides of slightly other dimensions."""
     return get_type_hints(kind, include_extras=True)
 
 
 def _check_ranges(device: Any) -> None:
     """ValueError naming the first field outside its plausible range."""
-    kind = type(device)
+    kind: Any = type(device)
     for name, hint in _hints(kind).items():
         for limit in getattr(hint, "__metadata__", ()):
             value = getattr(device, name)
