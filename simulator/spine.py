@@ -15,6 +15,7 @@ Triple = tuple[float, float, float]
 # Attenuation above that of the soft tissue around, at a diagnostic spectrum's mean energy.
 _CORTEX_PER_MM = 0.046
 _CANCELLOUS_PER_MM = 0.016
+_END_PLATE_PER_MM = 0.016  # lenses: real end plates are dished, and never seen as one sharp line
 _SHELL_MM = 1.3
 
 
@@ -71,7 +72,7 @@ def vertebra(level: Level) -> tuple[Solid, ...]:
     x, y, z = level.body_half_mm
     solids = [*_hollow(level, Shape.CYLINDER, (0.0, 0.0, 0.0), (x, y, z), np.eye(3))]
     for end in (-1.0, 1.0):
-        solids.append(_solid(level, Shape.CYLINDER, (0.0, 0.0, end * z), (x + 1.0, y + 1.0, 0.9), 0.03))
+        solids.append(_solid(level, Shape.ELLIPSOID, (0.0, 0.0, end * z), (x + 2.0, y + 2.0, 2.2), _END_PLATE_PER_MM))
     for side in (-1.0, 1.0):
         solids += _side(level, side)
     return (*solids, *_hollow(level, Shape.ELLIPSOID, (0.0, 53.0, -9.0), (4.0, 15.0, 11.5), np.eye(3)))
