@@ -124,9 +124,9 @@ request with the trigger that leads onwards, counts an observation as late and r
 ## Interlocks
 
 Each measures, compares and answers with a verdict that is stored with every attempt; what is unknown, stale, negative
-or not a number refuses. {deferred} (the C-arm or the patient moved between two images) are not enforced yet and never
-reported as passed: they need the comparison of two images, and will judge `verification_passed` and
-`verification_failed`.
+or not a number refuses. {deferred} (the patient moved between two images) is not enforced yet and never reported as
+passed, nor is what H03 (the C-arm moved) asks for beside the age of the image: both need the comparison of two images,
+and will judge `verification_passed` and `verification_failed`.
 
 {interlock_table()}
 """

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TypeVar
 
-from workflow.checks import Interlock, bounded, enough, given, id_of, same, since, yes
+from workflow.checks import Interlock, bounded, enough, given, id_of, same, since, yes, young
 from workflow.facts import (
     CorrectionRequested,
     ImageArrived,
@@ -155,6 +155,13 @@ PREDICTED_POSITION = Interlock(
     bounded(_quality(lambda q: q.predicted_position_mm), lambda limits: limits.position_error_mm, "mm"),
     _RETAKE,
     asks=True,
+)
+IMAGE_AGE = Interlock(
+    "image_age",
+    "H03",
+    "the image is old: nothing sees whether the C-arm was moved since",
+    young(lambda s: s.image_exposed, lambda limits: limits.image_age_s),
+    _RETAKE,
 )
 TARGET_ECHO = Interlock(
     "target_echo",

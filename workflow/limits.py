@@ -17,6 +17,8 @@ class Limits:
     record_age_s: float = 2.0
     # Own choice: a breathing patient on a table is not the one of a quarter of an hour ago.
     verification_age_s: float = 900.0
+    # H03, own choice: between the image and the move nothing sees a C-arm that is turned.
+    image_age_s: float = 1800.0
     # H04, at the TCP.
     unaccounted_mm: float = 0.05
     unaccounted_rad: float = math.radians(0.02)

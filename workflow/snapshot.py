@@ -43,6 +43,8 @@ class SafetySnapshot:
     guard_alive: Reading[bool]
     program_running: Reading[bool]  # any control script on the controller
     motion_locked: Reading[bool]  # the guard refuses every motion until it is unlocked
+    # The image that the request relies on; the age counts from the request of its exposure.
+    image_exposed: Reading[bool]
     # TCP displacement that no commanded motion accounts for, since the image (since the exposure request before it).
     unaccounted_mm: Reading[float]
     unaccounted_rad: Reading[float]

@@ -32,14 +32,13 @@ class Held:
 def measure(watch: ArmWatch, case: CaseState, trigger: Trigger, held: Held) -> SafetySnapshot:
     """The world now, for a decision about a case."""
     reading = watch.reading(_WAIT_S)
-    unaccounted, drift = watch.unaccounted(_image_of(case, trigger)), watch.drift()
+    drift = watch.drift()
     arm_age_s = math.inf if reading is None else reading.arm_age_s
     devices = held.devices
     return SafetySnapshot(
         **_arm(reading),
         **_guard(reading),
-        unaccounted_mm=_offset(unaccounted, arm_age_s),
-        unaccounted_rad=_angle(unaccounted, arm_age_s),
+        **_image(watch, _image_of(case, trigger), arm_age_s),
         drift_mm=_offset(drift, arm_age_s),
         drift_rad=_angle(drift, arm_age_s),
         **_tool(reading, devices.tool if devices else None),
@@ -50,9 +49,8 @@ def measure(watch: ArmWatch, case: CaseState, trigger: Trigger, held: Held) -> S
 
 
 def measured_for(snapshot: SafetySnapshot, watch: ArmWatch, case: CaseState, trigger: Trigger) -> SafetySnapshot:
-    """The same moment, with the displacement since the exposure that another trigger relies on."""
-    unaccounted, age_s = watch.unaccounted(_image_of(case, trigger)), snapshot.joints_rad.age_s
-    return replace(snapshot, unaccounted_mm=_offset(unaccounted, age_s), unaccounted_rad=_angle(unaccounted, age_s))
+    """The same moment, with the readings of the image that another trigger relies on."""
+    return replace(snapshot, **_image(watch, _image_of(case, trigger), snapshot.joints_rad.age_s))
 
 
 def _image_of(case: CaseState, trigger: Trigger) -> str | None:
@@ -62,6 +60,15 @@ def _image_of(case: CaseState, trigger: Trigger) -> str | None:
     if trigger is Trigger.NEWEST_IMAGE_REUSED:
         return case.newest_image_id
     return case.image.id if case.image else None
+
+
+def _image(watch: ArmWatch, image_id: str | None, arm_age_s: float) -> dict[str, Reading[Any]]:
+    unaccounted, exposed_s = watch.unaccounted(image_id), watch.since_exposure_s(image_id)
+    return {
+        "image_exposed": _UNKNOWN if exposed_s is None else Reading(True, exposed_s),
+        "unaccounted_mm": _offset(unaccounted, arm_age_s),
+        "unaccounted_rad": _angle(unaccounted, arm_age_s),
+    }
 
 
 def _arm(reading: ArmReading | None) -> dict[str, Reading[Any]]:

@@ -93,6 +93,11 @@ class ArmWatch:
         with self._changed:
             self._exposures.assign(window_id, image_id)
 
+    def since_exposure_s(self, image_id: str | None) -> float | None:
+        """Time since the exposure of an image was requested; None if that is unknown."""
+        exposure = self.exposure_of_image(image_id or "")
+        return None if exposure is None else self._clock() - exposure.latched.received_at_s
+
     def unaccounted(self, image_id: str | None) -> Displacement | None:
         """What no motion accounts for since the exposure of an image; None if that is unknown."""
         with self._changed:

@@ -9,16 +9,19 @@ import pytest
 from robot.arm import ArmState
 from robot.guard.messages import EndCause, Fault, FaultKind, MotionEnded, MotionStarted, Phase, Status
 from robot.safety import SafetyState
+from service.conductor.limits import limits_from
 from service.conductor.snapshots import Held, measure
 from service.conductor.status import allowances
 from service.conductor.taking import Rules
 from service.motion.arm_watch import ArmWatch
+from service.settings import ProcedureLimits
 from workflow.case import Motion, Plan, Verification, opened
-from workflow.limits import Limits
 from workflow.links import Artefact
 from workflow.plans import PlanKind
 from workflow.states import GuideState, State
 from workflow.triggers import Trigger
+
+_LIMITS = limits_from(ProcedureLimits(image_age_s=60.0))
 
 
 class Told(ArmWatch):
@@ -111,8 +114,16 @@ def _offered(watch: Told, trigger: Trigger, **changes: object) -> set[str]:
     chain = {"view": Artefact("view", ()), "image": image, "registration": Artefact("registration", ("image",))}
     case = replace(opened("case"), guide=GuideState.EMPTY, **(chain | changes), motion=motion)
     snapshot = measure(watch, case, Trigger.READ, Held(None, None))
-    answer = allowances(case, snapshot, Rules(watch, Limits(), lambda: 0.0))[trigger]
+    answer = allowances(case, snapshot, Rules(watch, _LIMITS, lambda: 0.0))[trigger]
     return set() if answer.allowed else {answer.code, *(verdict.code for verdict in answer.reasons)}
+
+
+def test_an_image_older_than_the_site_allows_offers_no_target(watch):
+    registered = {"state": State.REGISTERED}
+    watch.now_s = 60.0
+    assert _offered(watch, Trigger.TARGET_CONFIRMED, **registered) == set()
+    watch.now_s = 60.1
+    assert _offered(watch, Trigger.TARGET_CONFIRMED, **registered) == {"interlock", "image_age"}
 
 
 def test_the_status_offers_the_newest_image_again_by_its_own_exposure(watch):

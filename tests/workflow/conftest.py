@@ -33,6 +33,7 @@ def good_snapshot(**changes: Any) -> SafetySnapshot:
         "guard_alive": True,
         "program_running": False,
         "motion_locked": True,
+        "image_exposed": True,
         "unaccounted_mm": 0.0,
         "unaccounted_rad": 0.0,
         "drift_mm": 0.0,

@@ -134,6 +134,11 @@ PROOFS: dict[str, Proof] = {
     "residual": Proof(*REGISTER, *most(of_quality, "residual_rms_px", 1.0)),
     "predicted_angle": Proof(*REGISTER, *most(of_quality, "predicted_angle_rad", math.radians(1.0))),
     "predicted_position": Proof(*REGISTER, *most(of_quality, "predicted_position_mm", 1.5)),
+    "image_age": Proof(
+        *START,
+        [reading("image_exposed", True, age_s) for age_s in (1800.0 * MORE, -0.01, NAN, math.inf)],
+        [reading("image_exposed", True, 1800.0)],
+    ),
     "target_echo": Proof(*TARGET, *stated("echo_seen")),
     "target_image": Proof(*TARGET, [given(image_id="old")], []),
     "target_registration": Proof(*TARGET, [given(registration_id="old")], []),
@@ -353,9 +358,38 @@ def take_out(monkeypatch, code: str) -> None:
 def test_every_interlock_has_a_proof_and_every_hazard_an_interlock():
     assert set(PROOFS) == set(INTERLOCKS)
     enforced = {lock.hazard for lock in INTERLOCKS.values()}
-    here = "01 02 04 05 06 07 08 09 10 13 14 15 16 17 18 21 22 28 29 33 35 36"
+    here = "01 02 03 04 05 06 07 08 09 10 13 14 15 16 17 18 21 22 28 29 33 35 36"
     assert enforced == {f"H{number}" for number in here.split()}
     assert not enforced & set(DEFERRED_HAZARDS)
+
+
+@pytest.mark.parametrize(
+    ("state", "trigger"),
+    [
+        TARGET,
+        PLAN,
+        APPROVE,
+        START,
+        (State.MOVED, Trigger.TARGET_CONFIRMED),
+        (State.OFF_TARGET, Trigger.CORRECTION_REQUESTED),
+    ],
+)
+def test_nothing_is_aimed_with_an_old_image(new_walk, state, trigger):
+    """H03: half an hour after the exposure nobody knows whether the C-arm still stands."""
+    walk = new_walk().to(state)
+    walk.spoil(image_exposed=Reading(True, 1801.0))
+    refusal = walk.refused(trigger)
+    assert [(one.code, one.hazard, one.measured, one.limit) for one in refusal.failed] == [
+        ("image_age", "H03", 1801.0, 1800.0)
+    ]
+
+
+def test_an_old_image_does_not_keep_the_arm_from_retreating(new_walk):
+    walk = new_walk().to(State.TARGET_CHOSEN)
+    walk.spoil(image_exposed=Reading(None, math.inf))
+    walk.do(Trigger.PLAN_REQUESTED, kind=PlanKind.RETREAT)
+    walk.do(Trigger.MOVE_APPROVED)
+    walk.do(Trigger.MOVE_STARTED)
 
 
 def test_nothing_passes_when_nothing_is_known(new_walk):
