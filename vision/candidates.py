@@ -1,5 +1,7 @@
 """Where in the image the guide may be: pairs of rings with a line, the best supported first."""
 
+from itertools import islice
+
 from vision.contour import Priors
 from vision.corrected_image import CorrectedImage
 from vision.detection import AxisRange, ring_candidates
@@ -12,7 +14,8 @@ from vision.ring_alignment import aligned
 from vision.wires import ridge_points
 
 _NEAREST_SHARE, _FARTHEST_SHARE = 0.45, 0.97  # of the source-to-image distance, where a ring may be
-_MOST_PAIRS = 6
+_MOST_PAIRS = 30  # laid onto their ellipses; variants of a conspicuous circle crowd the list
+_MOST_VIEWS = 6  # refined in full
 
 
 def wire_width_px(guide: Guide, carm: CArm, nominal: Intrinsics) -> float:
@@ -54,8 +57,9 @@ def find_candidates(
     if not pairs:
         message = "no two of the rings found belong to one guide: consistent pairs"
         return Refusal(RefusalCode.RING_MISSING, message, 0, 1)
-    upright = [aligned(view, rings, guide, priors) for view, rings in pairs]
-    firsts = [first for view in upright if view is not None for first in first_views(view, guide, image, reader)]
+    laid = (aligned(view, rings, guide, priors) for view, rings in pairs)
+    upright = list(islice((view for view in laid if view is not None), _MOST_VIEWS))
+    firsts = [first for view in upright for first in first_views(view, guide, image, reader)]
     if not firsts:
         message = "no two of the rings found can be those of the guide file: pairs that can"
         return Refusal(RefusalCode.GUIDE_MISMATCH, message, 0, 1)

@@ -16,8 +16,8 @@ from vision.wires import Ridge
 
 Array = NDArray[np.float64]
 
-LEAST_SUPPORT = 0.5  # of a ring's circumference on which ridge points must lie
-_TRIPLES = 60_000
+LEAST_SUPPORT = 0.4  # of a circumference with ridge points; what is really seen is measured and judged later (gates)
+_TRIPLES = 300_000  # a faint ring among 5,000 ridge points still gets tens of triples of its own
 _SAMPLES = 40  # on the circumference, for the first look
 _FINE_SAMPLES = 180
 _LOOSE_PX, _TIGHT_PX = 3.0, 1.5

@@ -11,7 +11,7 @@ from vision.distortion import DistortionMap
 
 Array = NDArray[np.float64]
 
-_CONTRAST_SD = 5.0  # of the noise of the ridge measure
+_CONTRAST_SD = 4.0  # of the spread of the ridge measure, most of which is anatomy, not noise
 _CREST_WITHIN_PX = 0.6  # of the pixel whose Taylor expansion finds it
 _MOST_POINTS = 12_000
 _ALONG_TO_ACROSS = 0.5  # greatest curvature along a wire, relative to that across it
