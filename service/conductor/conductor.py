@@ -1,5 +1,6 @@
 """Takes commands and observations: decide and record in one transaction, then touch the world."""
 
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -66,6 +67,7 @@ class Conductor:
         self.echoes = Echoes()
         self.on_effect: dict[Effect, Callable[[Taken], None]] = {}
         self._live: Taken | None = None
+        self._unlocking = threading.Lock()
 
     @property
     def journal_folder(self) -> Path:
@@ -115,6 +117,16 @@ class Conductor:
         with self.parts.database.read() as connection:
             return from_json(dict(store.newest_event(connection, case_id).case_state))
 
+    def unlock(self) -> None:
+        """Let the guard take motions again, unless the live case is locked: a hold may be newer than what allowed it.
+
+        A stop that becomes live after this look is sent to the guard after the unlocking, and locks it again.
+        """
+        with self._unlocking:
+            live = self._live
+            if live is not None and live.decision.after.state not in LOCKED:
+                self.bridge.unlock()
+
     def would_stop(self, case_id: str, trigger: Trigger, facts: Facts) -> bool:
         """Whether a fact stops the arm, so that the stop can be sent before anything is recorded."""
         if self.bridge.is_moving():
@@ -142,17 +154,24 @@ class Conductor:
     def _follow(self, taken: Taken) -> None:
         """After the commit: unlock the guard where a person left a locked state, then whatever the decision causes."""
         decision, after = taken.decision, taken.decision.after
-        live = self._live
-        if live is None or live.event.case_id != taken.event.case_id or live.event.sequence < taken.event.sequence:
-            self._live = taken
+        with self._unlocking:
+            if self._live is None or _is_newer(taken, self._live):
+                self._live = taken
         if taken.before.state in LOCKED and after.state not in LOCKED:
-            self.bridge.unlock()
+            self.unlock()
         if taken.prepared.then is not None:
             taken.prepared.then(decision)
         for effect in decision.effects:
             if effect in self.on_effect:
                 self.on_effect[effect](taken)
         _log.info("recorded", trigger=decision.trigger, case_id=after.case_id, state=after.state, row=decision.row)
+
+
+def _is_newer(taken: Taken, live: Taken) -> bool:
+    """Of two decisions the one that the room is in; a note on a case that is over is not."""
+    if taken.event.case_id == live.event.case_id:
+        return taken.event.sequence > live.event.sequence
+    return taken.decision.after.state not in OVER
 
 
 async def conductor_of(connection: HTTPConnection) -> Conductor:

@@ -10,7 +10,7 @@ from service.auth.permissions import Permission, Role
 from service.conductor.answers import CommandAnswer
 from service.conductor.bodies import Acknowledge, WithReason
 from service.conductor.caller import Caller, requesting
-from service.conductor.conductor import LOCKED, Conductor, TheConductor
+from service.conductor.conductor import Conductor, TheConductor
 from service.conductor.route_errors import REQUESTING
 from service.conductor.taking import Prepared, Standing
 from workflow.decisions import Decision
@@ -60,10 +60,9 @@ def _lease(conductor: Conductor, caller: Caller, standing: Standing, reason: str
     before = lease_of(standing.connection, caller.case_id)
     token = (before.fencing_token if before else 0) + 1
 
-    def unlock(decision: Decision) -> None:
+    def unlock(_: Decision) -> None:
         # A guard starts locked; whoever first takes control of a calm case has looked at the arm.
-        if decision.after.state not in LOCKED:
-            conductor.bridge.unlock()
+        conductor.unlock()
 
     def write(connection: Connection, _: Decision) -> None:
         take_lease(connection, caller.case_id, caller.session, reason)

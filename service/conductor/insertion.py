@@ -13,7 +13,7 @@ from service.conductor.answers import CommandAnswer
 from service.conductor.approval import confirmed_approval
 from service.conductor.bodies import FinishTarget, Nothing, RemoveSleeve, WithOptionalReason, WithPin
 from service.conductor.caller import Caller, requesting, stating
-from service.conductor.conductor import LOCKED, Conductor, TheConductor, new_id
+from service.conductor.conductor import Conductor, TheConductor, new_id
 from service.conductor.route_errors import APPROVING, REQUESTING, STATING
 from service.conductor.statements import state, state_only
 from service.conductor.taking import Prepared, Standing
@@ -38,9 +38,8 @@ def insertion_started(
     try:
         return conductor.perform(caller, Trigger.INSERTION_STARTED, lambda standing: _opened(standing, approval))
     except ServiceError:
-        live = conductor.live
-        if locked_here and live is not None and live.state not in LOCKED:
-            conductor.bridge.unlock()  # nothing was started: the lock that was only taken for it goes
+        if locked_here:
+            conductor.unlock()  # nothing was started: the lock that was only taken for it goes
         raise
 
 

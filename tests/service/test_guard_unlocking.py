@@ -1,0 +1,65 @@
+"""When the guard is unlocked: by the newest decision of the room, whichever thread is done first (H18)."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from service.conductor.conductor import Conductor
+from service.conductor.taking import Prepared, Taken
+from service.settings import ProcedureLimits
+from workflow.case import opened
+from workflow.facts import Restarted
+from workflow.states import State
+from workflow.triggers import Trigger
+
+
+class Bridge:
+    """A way to a guard that counts how often it was unlocked."""
+
+    watch = None
+
+    def __init__(self) -> None:
+        self.unlocked = 0
+
+    def unlock(self) -> None:
+        self.unlocked += 1
+
+
+@pytest.fixture
+def conductor() -> Any:
+    return Conductor(SimpleNamespace(settings=SimpleNamespace(limits=ProcedureLimits())), Bridge())
+
+
+def _taken(sequence: int, before: State, after: State, case_id: str = "case") -> Taken:
+    case = opened(case_id)
+    decision = SimpleNamespace(after=replace(case, state=after), effects=(), trigger=Trigger.NOTE, row=None)
+    event = SimpleNamespace(case_id=case_id, sequence=sequence)
+    return Taken(decision, replace(case, state=before), event, Prepared(Restarted()))
+
+
+ACKNOWLEDGED = _taken(5, State.SAFE_HOLD, State.CASE_OPEN)
+
+
+def test_an_acknowledgement_unlocks_the_guard(conductor) -> None:
+    conductor._follow(ACKNOWLEDGED)
+    assert conductor.bridge.unlocked == 1
+
+
+@pytest.mark.parametrize("state", [State.SAFE_HOLD, State.INSERTING, State.ABORTED])
+def test_an_acknowledgement_that_is_overtaken_by_a_newer_lock_unlocks_nothing(conductor, state) -> None:
+    conductor._follow(_taken(6, State.CASE_OPEN, state))
+    conductor._follow(ACKNOWLEDGED)
+    assert conductor.bridge.unlocked == 0
+
+
+def test_without_any_decision_of_this_run_nothing_is_unlocked(conductor) -> None:
+    conductor.unlock()
+    assert conductor.bridge.unlocked == 0
+
+
+def test_a_note_on_a_closed_case_takes_no_other_cases_place(conductor) -> None:
+    conductor._follow(_taken(5, State.VERIFIED, State.INSERTING))
+    conductor._follow(_taken(90, State.CLOSED, State.CLOSED, "closed long ago"))
+    assert conductor.live.state is State.INSERTING
