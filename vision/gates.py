@@ -23,6 +23,7 @@ LEAST_LINE_COVERAGE = 0.4
 LEAST_LINE_COVERAGE_WITHOUT_ENDS = 0.7  # where rings or balls cover both ends, the line itself must be seen well
 GREATEST_GAP_RAD = math.radians(100.0)  # of a ring, though nothing known covers it: less than 260 deg hold it loosely
 GREATEST_BEAD_SD = 4.0
+GREATEST_TOGETHER = 21.7  # 99 % of chi-square, 7 priors and the bead's 2: a ring separation off strains all a little
 GREATEST_SCALE_OFF = 0.06  # relative: the plate's pixel size against the C-arm file's; distances of plate and SID
 GREATEST_PREDICTED_RAD = math.radians(0.25)  # half of what counts as a wrong registration, 0.5 deg and 1.0 mm
 GREATEST_PREDICTED_MM = 0.5
@@ -118,11 +119,15 @@ def check_line_ends(ends: list[LineEnd], least_amplitude: float) -> Refusal | No
     return None
 
 
-def check_bead(distance_sd: float) -> Refusal | None:
-    """The bead's centre against its prediction by the rings and the line."""
+def check_bead(distance_sd: float, fit: ContourFit) -> Refusal | None:
+    """The bead's centre against its prediction by the rings and the line, alone and together with the priors' pulls."""
     if not distance_sd <= GREATEST_BEAD_SD:
         message = "the bead is not where the guide file puts it (standard deviations)"
         return Refusal(RefusalCode.GUIDE_MISMATCH, message, distance_sd, GREATEST_BEAD_SD)
+    together = distance_sd**2 + sum(pull**2 for pull in fit.pulls_sd.values())
+    if not together <= GREATEST_TOGETHER:
+        message = "bead and priors together contradict the device files (chi-square of 9 degrees of freedom)"
+        return Refusal(RefusalCode.GUIDE_MISMATCH, message, together, GREATEST_TOGETHER)
     return None
 
 

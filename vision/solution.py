@@ -114,7 +114,7 @@ def _bead(last: _Round, scene: Scene) -> BeadEvidence | Refusal | None:
     place = np.array(guide.bead.position_mm)
     excess = evidence.centre_px - project(fit.view, place[None])[0]
     spread = _prediction_covariance(fit, place) + bead_sd_px(fit.view, guide) ** 2 * np.eye(2)
-    refusal = gates.check_bead(float(np.sqrt(excess @ np.linalg.solve(spread, excess))))
+    refusal = gates.check_bead(float(np.sqrt(excess @ np.linalg.solve(spread, excess))), fit)
     return refusal or evidence
 
 
