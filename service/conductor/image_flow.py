@@ -11,13 +11,16 @@ from service.conductor.arrival import take_in
 from service.conductor.conductor import Conductor, new_id
 from service.conductor.image_work import Json, evaluate_image, quality_of, register_image
 from service.conductor.taking import Prepared, Taken
-from service.errors import ServiceError
+from service.errors import ErrorCode, ServiceError
 from service.images.store import images_without_purpose
 from workflow.decisions import Effect
 from workflow.facts import Evaluated, RegistrationCompleted, RegistrationRefused, VerificationRefused
 from workflow.triggers import Trigger
 
 _log = structlog.get_logger(__name__)
+# A try waits for the database by itself; together they last about as long as an exposure's window is open.
+_BUSY_TRIES = 6
+_BUSY_PAUSE_S = 1.0
 
 
 class ImageFlow:
@@ -42,7 +45,7 @@ class ImageFlow:
         while True:
             image_id = await self._arrived.get()
             try:
-                await asyncio.to_thread(take_in, self._conductor, image_id)
+                await self._take_in(image_id)
             except ServiceError as error:
                 _log.error("image_not_taken_in", image_id=image_id, code=error.code)
             except Exception:  # noqa: BLE001  a defect met with one image must not shut out every image after it
@@ -62,6 +65,21 @@ class ImageFlow:
                 _log.error("image_result_not_recorded", image_id=image_id, code=error.code)
             except Exception:  # noqa: BLE001  as above; the case may retake
                 _log.exception("image_result_not_recorded", image_id=image_id)
+
+    async def _take_in(self, image_id: str) -> None:
+        """Take an image in, again and again while another writer has the database; those behind it keep their order."""
+        for _ in range(_BUSY_TRIES - 1):
+            try:
+                return await self._once(image_id)
+            except ServiceError as error:
+                if error.code != ErrorCode.DATABASE_BUSY:
+                    raise
+                _log.warning("image_taken_in_later", image_id=image_id, code=error.code)
+            await asyncio.sleep(_BUSY_PAUSE_S)
+        await self._once(image_id)
+
+    async def _once(self, image_id: str) -> None:
+        await asyncio.to_thread(take_in, self._conductor, image_id)
 
     def _start(self, taken: Taken) -> None:
         self._loop.call_soon_threadsafe(self._work.put_nowait, taken)

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from service.conductor.image_flow import ImageFlow
+from service.errors import ErrorCode, ServiceError
 from workflow.decisions import Effect
 
 
@@ -42,6 +43,36 @@ def test_an_image_that_breaks_its_taking_in_shuts_out_none_behind_it(monkeypatch
 
     asyncio.run(run())
     assert taken == ["good"]
+
+
+@pytest.mark.parametrize(("busy_tries", "taken_in"), [(2, ["first", "second"]), (99, ["second"])])
+def test_an_image_that_meets_a_busy_database_is_tried_again_before_those_behind_it(
+    monkeypatch: pytest.MonkeyPatch, busy_tries: int, taken_in: list[str]
+) -> None:
+    tried: list[str] = []
+    taken: list[str] = []
+
+    async def run() -> None:
+        enough, loop = asyncio.Event(), asyncio.get_running_loop()
+
+        def take_in(_conductor: Any, image_id: str) -> None:
+            tried.append(image_id)
+            if image_id == "first" and len(tried) <= busy_tries:
+                raise ServiceError(ErrorCode.DATABASE_BUSY, "another writer held the database too long")
+            taken.append(image_id)
+            if image_id == "second":
+                loop.call_soon_threadsafe(enough.set)
+
+        monkeypatch.setattr("service.conductor.image_flow.take_in", take_in)
+        monkeypatch.setattr("service.conductor.image_flow._BUSY_PAUSE_S", 0.0)
+        monkeypatch.setattr(ImageFlow, "_left_over", lambda _flow: [])
+        flow = ImageFlow(_conductor())
+        flow.stored("first")
+        flow.stored("second")
+        await _until(flow.take_in_all(), enough)
+
+    asyncio.run(run())
+    assert taken == taken_in
 
 
 def test_a_result_that_breaks_its_record_shuts_out_none_behind_it(monkeypatch: pytest.MonkeyPatch) -> None:
