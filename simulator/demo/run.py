@@ -80,8 +80,8 @@ def _place_all(stage: Stage, wanted: Wanted, teller: Teller) -> None:
         if results:
             teller.console.print(result_table(results))
     teller.console.print(
-        f"{len(results)} targets placed in {teller.elapsed_s():.0f} s with "
-        f"{sum(result.corrections for result in results)} corrections. Service {stage.url} (ended now); "
+        f"{len(results)} targets placed in {teller.elapsed_s():.0f} s, corrective motions: "
+        f"{sum(result.corrections for result in results)}. Service {stage.url} (ended now); "
         f"data and logs in {stage.folder}",
         soft_wrap=True,
     )

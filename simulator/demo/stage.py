@@ -17,6 +17,7 @@ from simulator.demo.telling import Teller
 from simulator.devices import GUIDE_FILE, INTENSIFIER_FILE, TCP_FILE
 
 _UP_WITHIN_S = 60.0
+_VISION_DEADLINE_S = 60.0  # service and room share one machine here, and its cores with whatever else runs
 _LOOK_EVERY_S = 0.05
 _DEVICE_FILES = {"guide": GUIDE_FILE, "carm": INTENSIFIER_FILE, "tcp": TCP_FILE}
 
@@ -72,6 +73,8 @@ class _Plan:
             f"port = {self.http_port}",
             "[dicom]",
             f"port = {self.dicom_port}",
+            "[vision]",
+            f"deadline_s = {_VISION_DEADLINE_S}",
         )
         self.settings.write_text("\n".join(lines) + "\n")
 
