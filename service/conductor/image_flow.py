@@ -68,18 +68,16 @@ class ImageFlow:
 
     async def _take_in(self, image_id: str) -> None:
         """Take an image in, again and again while another writer has the database; those behind it keep their order."""
-        for _ in range(_BUSY_TRIES - 1):
+        for tries_left in reversed(range(_BUSY_TRIES)):
             try:
-                return await self._once(image_id)
+                await asyncio.to_thread(take_in, self._conductor, image_id)
             except ServiceError as error:
-                if error.code != ErrorCode.DATABASE_BUSY:
+                if error.code != ErrorCode.DATABASE_BUSY or tries_left == 0:
                     raise
                 _log.warning("image_taken_in_later", image_id=image_id, code=error.code)
-            await asyncio.sleep(_BUSY_PAUSE_S)
-        await self._once(image_id)
-
-    async def _once(self, image_id: str) -> None:
-        await asyncio.to_thread(take_in, self._conductor, image_id)
+                await asyncio.sleep(_BUSY_PAUSE_S)
+            else:
+                return
 
     def _start(self, taken: Taken) -> None:
         self._loop.call_soon_threadsafe(self._work.put_nowait, taken)
