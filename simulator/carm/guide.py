@@ -24,8 +24,8 @@ class Part(StrEnum):
 ALL_PARTS = frozenset(Part)
 
 _METAL_PER_MM = 0.80
-_HOUSING_PER_MM = 0.016
-_HOUSING_OUTER_MM, _HOUSING_INNER_MM = 36.0, 33.0
+_HOUSING_PER_MM = 0.011
+_HOUSING_OUTER_MM, _HOUSING_INNER_MM = 38.0, 34.0
 _HOUSING_BEYOND_MM = 5.0  # it stands out over both rings
 
 
