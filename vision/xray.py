@@ -118,9 +118,10 @@ def _dicom_pixels(dataset: Any, frame: int | None) -> tuple[NDArray[Any], int, b
     if refusal is not None:
         return refusal
     frames = int(dataset.get("NumberOfFrames", 1) or 1)
-    if (frame is None and frames > 1) or not 1 <= (frame or 1) <= frames:
+    chosen = 1 if frame is None else frame
+    if (frame is None and frames > 1) or not 1 <= chosen <= frames:
         return Refusal(RefusalCode.UNSUPPORTED_IMAGE, f"choose one of {frames} frames with --frame", frame, frames)
-    values = pixel_array(dataset, index=(frame or 1) - 1)
+    values = pixel_array(dataset, index=chosen - 1)
     bits = int(dataset.BitsStored)
     if int(dataset.PixelRepresentation):
         values = values.astype(np.int32) + 2 ** (bits - 1)
@@ -129,6 +130,8 @@ def _dicom_pixels(dataset: Any, frame: int | None) -> tuple[NDArray[Any], int, b
 
 def _check_dicom_header(dataset: Any) -> Refusal | None:
     """Modality and pixel format; the SOP class is not asked, since secondary captures of X-rays are usual."""
+    if "PixelData" not in dataset:
+        return Refusal(RefusalCode.UNREADABLE_IMAGE, "the DICOM file holds no pixels")
     if str(dataset.get("Modality", "")) not in _XRAY_MODALITIES:
         return _unsupported(f"modality {dataset.get('Modality', 'none')!s}; an X-ray image is needed")
     if dataset.get("PhotometricInterpretation") not in _POLARITIES or int(dataset.get("SamplesPerPixel", 1)) != 1:

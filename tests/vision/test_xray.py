@@ -1,0 +1,146 @@
+"""Decoding: every format of the contract, and hostile bytes refused before they cost anything."""
+
+import io
+import struct
+import zlib
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from pydicom.dataset import Dataset, FileMetaDataset
+from pydicom.uid import ExplicitVRLittleEndian, XRayAngiographicImageStorage, generate_uid
+
+from vision.refusal import Refusal, RefusalCode
+from vision.xray import XrayImage, decode
+
+RAMP = np.tile(np.arange(300, dtype=np.uint16), (260, 1))
+NOISE = np.random.default_rng(1).integers(0, 65536, (300, 300), dtype=np.uint16)
+
+
+def picture(values: Any, kind: str = "PNG") -> bytes:
+    """The file of an array."""
+    out = io.BytesIO()
+    Image.fromarray(values).save(out, format=kind)
+    return out.getvalue()
+
+
+def dicom(values: np.ndarray[Any, Any], **changes: Any) -> bytes:
+    """A DICOM file of (rows, columns) or (frames, rows, columns) uint16 values of 12 bits."""
+    dataset = Dataset()
+    dataset.file_meta = FileMetaDataset()
+    dataset.file_meta.TransferSyntaxUID = ExplicitVRLittleEndian
+    dataset.file_meta.MediaStorageSOPClassUID = XRayAngiographicImageStorage
+    dataset.file_meta.MediaStorageSOPInstanceUID = generate_uid()
+    dataset.Modality, dataset.PhotometricInterpretation, dataset.SamplesPerPixel = "XA", "MONOCHROME2", 1
+    dataset.Rows, dataset.Columns = values.shape[-2:]
+    dataset.BitsAllocated, dataset.BitsStored, dataset.HighBit, dataset.PixelRepresentation = 16, 12, 11, 0
+    if values.ndim == 3:
+        dataset.NumberOfFrames = len(values)
+    dataset.PixelData = values.astype("<u2").tobytes()
+    for name, value in changes.items():
+        setattr(dataset, name, value)
+    out = io.BytesIO()
+    dataset.save_as(out, enforce_file_format=True)
+    return out.getvalue()
+
+
+def png_header(columns: int, rows: int) -> bytes:
+    """A PNG that claims a size and holds no pixels worth it."""
+    header = struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0)
+    chunks = b""
+    for name, body in ((b"IHDR", header), (b"IDAT", zlib.compress(b"\0")), (b"IEND", b"")):
+        chunks += struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
+    return b"\x89PNG\r\n\x1a\n" + chunks
+
+
+def decoded(data: bytes, frame: int | None = None) -> XrayImage:
+    """The image, which there must be."""
+    image = decode(data, frame)
+    assert isinstance(image, XrayImage), image
+    return image
+
+
+@pytest.mark.parametrize("kind", ["PNG", "TIFF"])
+@pytest.mark.parametrize(("values", "bits"), [((RAMP % 256).astype(np.uint8), 8), (RAMP * 200, 16)])
+def test_pictures_keep_every_grey_value(kind: str, values: np.ndarray[Any, Any], bits: int) -> None:
+    image = decoded(picture(values, kind))
+    assert image.bits == bits
+    assert np.allclose(image.pixels * (2**bits - 1), values, atol=1e-2)
+
+
+def test_monochrome1_is_turned_so_that_dense_is_dark() -> None:
+    bright = decoded(dicom(RAMP))
+    dark = decoded(dicom(RAMP, PhotometricInterpretation="MONOCHROME1"))
+    assert np.allclose(bright.pixels, RAMP / 4095.0, atol=1e-6)
+    assert np.allclose(bright.pixels + dark.pixels, 1.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("modality", ["XA", "RF", "CR", "DX", "OT"])
+def test_every_kind_of_xray_is_taken_whatever_its_class(modality: str) -> None:
+    assert isinstance(decode(dicom(RAMP, Modality=modality)), XrayImage)
+
+
+def test_frames_are_counted_from_one_and_must_be_chosen() -> None:
+    data = dicom(np.stack([RAMP, RAMP + 7, RAMP + 14]))
+    assert np.allclose(decoded(data, 2).pixels * 4095.0, RAMP + 7, atol=1e-2)
+    for frame in (None, 0, 4, -1):
+        refusal = decode(data, frame)
+        assert isinstance(refusal, Refusal)
+        assert refusal.code is RefusalCode.UNSUPPORTED_IMAGE
+
+
+UNREADABLE = {
+    "nothing": b"",
+    "text": b"no image at all" * 100,
+    "truncated PNG": picture(NOISE)[:20_000],
+    "PNG without pixels": png_header(1024, 1024),
+    "truncated DICOM": dicom(RAMP)[:5000],
+    "DICOM cut in its header": dicom(RAMP)[:200],
+    "DICOM without pixels": dicom(RAMP, PixelData=b""),
+    "DICOM whose frames are not there": dicom(RAMP, NumberOfFrames=2_000_000_000),
+}
+
+
+@pytest.mark.parametrize("name", UNREADABLE)
+def test_broken_bytes_are_unreadable(name: str) -> None:
+    refusal = decode(UNREADABLE[name], 2 if "frames" in name else None)
+    assert isinstance(refusal, Refusal)
+    assert refusal.code is RefusalCode.UNREADABLE_IMAGE
+    assert "\n" not in refusal.message
+
+
+UNSUPPORTED = {
+    "colour": picture(np.zeros((300, 300, 3), np.uint8)),
+    "not numbers": picture(np.full((300, 300), np.nan, np.float32), "TIFF"),
+    "one pixel": picture(np.zeros((1, 1), np.uint8)),
+    "DICOM of one pixel": dicom(np.zeros((1, 1), np.uint16)),
+    "a CT slice": dicom(RAMP, Modality="CT"),
+    "colour DICOM": dicom(RAMP, PhotometricInterpretation="RGB", SamplesPerPixel=3),
+}
+
+
+@pytest.mark.parametrize("name", UNSUPPORTED)
+def test_what_is_no_xray_image_is_unsupported(name: str) -> None:
+    refusal = decode(UNSUPPORTED[name])
+    assert isinstance(refusal, Refusal)
+    assert refusal.code is RefusalCode.UNSUPPORTED_IMAGE
+
+
+@pytest.mark.parametrize("data", [png_header(10_000, 10_000), dicom(RAMP, Rows=20_000)], ids=["PNG", "DICOM"])
+def test_a_hundred_megapixels_are_refused_by_the_header_alone(data: bytes) -> None:
+    refusal = decode(data)
+    assert isinstance(refusal, Refusal)
+    assert refusal.code is RefusalCode.IMAGE_TOO_LARGE
+    assert refusal.measured is not None
+    assert refusal.limit is not None
+    assert refusal.measured > refusal.limit
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_flipped_bytes_never_raise(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    data = bytearray(dicom(RAMP) if seed % 2 else picture(RAMP * 200))
+    for place in rng.integers(0, min(len(data), 1200), 20):
+        data[place] = rng.integers(0, 256)
+    assert isinstance(decode(bytes(data)), XrayImage | Refusal)
