@@ -105,9 +105,9 @@ class GuardClient:
         Thread(target=stop_by_dashboard, args=(self._config.arm_address,), name="stop", daemon=True).start()
         return taken
 
-    def acknowledge(self) -> None:
-        """A human has acknowledged (on opening a case and on leaving safe_hold)."""
-        self._send(Acknowledge())
+    def acknowledge(self) -> bool:
+        """A human has acknowledged (on opening a case and on leaving safe_hold); True if the guard's pipe took it."""
+        return self._send(Acknowledge())
 
     def close(self) -> None:
         """End the guard: its pipe is closed, it stops the arm and exits; killed if it does not."""

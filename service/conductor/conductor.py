@@ -12,6 +12,7 @@ from fastapi import Depends
 from sqlalchemy.engine import Connection
 from starlette.requests import HTTPConnection
 
+from robot.errors import GuardDownError
 from service.auth.lease import check_lease
 from service.cases import store
 from service.cases.idempotency import KeptAnswer, keep_answer, kept_answer
@@ -117,15 +118,17 @@ class Conductor:
         with self.parts.database.read() as connection:
             return from_json(dict(store.newest_event(connection, case_id).case_state))
 
-    def unlock(self) -> None:
+    def unlock(self) -> bool:
         """Let the guard take motions again, unless the live case is locked: a hold may be newer than what allowed it.
+
+        False where the guard was to be unlocked and did not take it: a fault is told that holds the case.
 
         A stop that becomes live after this look is sent to the guard after the unlocking, and locks it again.
         """
         with self._unlocking:
             live = self._live
-            if live is not None and live.decision.after.state not in LOCKED:
-                self.bridge.unlock()
+            locked = live is None or live.decision.after.state in LOCKED
+            return locked or self.bridge.unlock()
 
     def would_stop(self, case_id: str, trigger: Trigger, facts: Facts) -> bool:
         """Whether a fact stops the arm, so that the stop can be sent before anything is recorded."""
@@ -152,19 +155,24 @@ class Conductor:
         return taken
 
     def _follow(self, taken: Taken) -> None:
-        """After the commit: unlock the guard where a person left a locked state, then whatever the decision causes."""
+        """After the commit: unlock the guard where a person left a locked state, then whatever the decision causes.
+
+        Raises ServiceError guard_down, once all is done, where the guard was not unlocked.
+        """
         decision, after = taken.decision, taken.decision.after
         with self._unlocking:
             if self._live is None or _is_newer(taken, self._live):
                 self._live = taken
-        if taken.before.state in LOCKED and after.state not in LOCKED:
-            self.unlock()
+        left_lock = taken.before.state in LOCKED and after.state not in LOCKED
+        unlocked = not left_lock or self.unlock()
         if taken.prepared.then is not None:
             taken.prepared.then(decision)
         for effect in decision.effects:
             if effect in self.on_effect:
                 self.on_effect[effect](taken)
         _log.info("recorded", trigger=decision.trigger, case_id=after.case_id, state=after.state, row=decision.row)
+        if not unlocked:
+            raise ServiceError(GuardDownError.code, "this is recorded, but the guard did not take it: the case is held")
 
 
 def _is_newer(taken: Taken, live: Taken) -> bool:

@@ -61,7 +61,8 @@ def _lease(conductor: Conductor, caller: Caller, standing: Standing, reason: str
     token = (before.fencing_token if before else 0) + 1
 
     def unlock(_: Decision) -> None:
-        # A guard starts locked; whoever first takes control of a calm case has looked at the arm.
+        # A guard starts locked; whoever first takes control of a calm case has looked at the arm. One that does not
+        # take this holds the case by its fault, and control is taken all the same.
         conductor.unlock()
 
     def write(connection: Connection, _: Decision) -> None:

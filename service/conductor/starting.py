@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from robot.errors import GuardDownError
 from robot.frames import Transform
 from robot.guard.messages import BeginMove
 from robot.tool import Tool
@@ -21,7 +22,7 @@ from workflow.triggers import Trigger
 def start_move(conductor: Conductor, caller: Caller, permit_id: str) -> CommandAnswer:
     """Start the motion of a permit; ServiceError with every verdict where it is refused. No packet goes out before.
 
-    Where no guard takes the motion, its loss is observed by the guard's client and ends it in safe_hold.
+    Where no guard takes the motion, the bridge tells a fault, which ends it in safe_hold: ServiceError guard_down.
     """
 
     def prepare(standing: Standing) -> Prepared:
@@ -34,7 +35,8 @@ def start_move(conductor: Conductor, caller: Caller, permit_id: str) -> CommandA
         artefact = NewArtefact(ArtefactKind.PERMIT_USE, permit_id, (permit_id, plan.id), use, {})
 
         def begin(_: Decision) -> None:
-            conductor.bridge.begin_move(move)
+            if not conductor.bridge.begin_move(move):
+                raise ServiceError(GuardDownError.code, "no guard took the motion")
 
         return Prepared(facts, (artefact,), {"motion": facts.motion_id}, use, {"duration_s": move.duration_s}, begin)
 

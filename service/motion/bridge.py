@@ -1,14 +1,18 @@
 """The service's one way to the arm: the guard's client, what it says, and whether it may be unlocked."""
 
 import threading
+import time
 from collections.abc import Callable
+
+import structlog
 
 from robot.errors import GuardDownError
 from robot.guard.client import GuardClient, GuardConfig
-from robot.guard.messages import BeginMove, Event, Heartbeat, Phase, Status
+from robot.guard.messages import BeginMove, Event, Fault, FaultKind, Heartbeat, Phase, Status
 from service.motion.arm_watch import ArmWatch
 
 OnEvent = Callable[[Event], None]
+_log = structlog.get_logger(__name__)
 
 
 class ArmBridge:
@@ -64,21 +68,26 @@ class ArmBridge:
         with self._recorded:
             self._recorded.wait_for(lambda: self._stops_to_record == 0, timeout_s)
 
-    def unlock(self) -> None:
-        """A person has acknowledged: the guard may take motions again. It starts none."""
+    def unlock(self) -> bool:
+        """A person has acknowledged: the guard may take motions again. It starts none.
+
+        False where the guard did not take it, which is told as a fault. A stop that is still to be recorded keeps the
+        guard locked, and a room without an arm has nothing to unlock: neither is a fault.
+        """
         with self._recorded:
-            if self._client is not None and self._stops_to_record == 0:
-                self._client.acknowledge()
+            if self._client is None or self._stops_to_record > 0 or self._client.acknowledge():
+                return True
+        return self._lost("the guard did not take an acknowledgement")
 
     def begin_move(self, move: BeginMove) -> bool:
-        """Hand the guard a motion; False if there is no guard to take it."""
-        if self._client is None:
-            return False
+        """Hand the guard a motion; False if there is no guard to take it, which is told as a fault."""
         try:
-            self._client.begin_move(move)
-        except GuardDownError:
-            return False
-        return True
+            if self._client is not None:
+                self._client.begin_move(move)
+                return True
+        except GuardDownError as error:
+            _log.error("motion_not_handed_over", code=error.code)
+        return self._lost("no guard took a motion")
 
     def heartbeat(self, heartbeat: Heartbeat) -> None:
         """Forward a heartbeat; without a guard it is silence."""
@@ -89,6 +98,11 @@ class ArmBridge:
         """Whether the guard is in, or on its way into, a motion."""
         status = self.status
         return status is not None and status.phase in (Phase.STARTING, Phase.MOVING, Phase.STOPPING)
+
+    def _lost(self, message: str) -> bool:
+        """Tell a fault that the guard's client has not seen, on the way of all its faults; False, for the caller."""
+        self._take(Fault(FaultKind.GUARD_LOST, time.monotonic(), message))
+        return False
 
     def _take(self, event: Event) -> None:
         self.watch.take(event)

@@ -70,7 +70,7 @@ def test_client_without_a_guard_refuses_motion_and_survives_the_rest(move, tmp_p
     with pytest.raises(GuardDownError):
         client.begin_move(move)
     client.heartbeat(Heartbeat("permit-1", 1, "none", held=True))
-    client.acknowledge()
+    assert not client.acknowledge()
     assert not client.stop("asked")
     client.close()
     assert client.status is None

@@ -8,6 +8,7 @@ import pytest
 
 from service.conductor.conductor import Conductor
 from service.conductor.taking import Prepared, Taken
+from service.errors import ServiceError
 from service.settings import ProcedureLimits
 from workflow.case import opened
 from workflow.facts import Restarted
@@ -22,9 +23,11 @@ class Bridge:
 
     def __init__(self) -> None:
         self.unlocked = 0
+        self.takes = True
 
-    def unlock(self) -> None:
+    def unlock(self) -> bool:
         self.unlocked += 1
+        return self.takes
 
 
 @pytest.fixture
@@ -45,6 +48,15 @@ ACKNOWLEDGED = _taken(5, State.SAFE_HOLD, State.CASE_OPEN)
 def test_an_acknowledgement_unlocks_the_guard(conductor) -> None:
     conductor._follow(ACKNOWLEDGED)
     assert conductor.bridge.unlocked == 1
+
+
+def test_an_acknowledgement_that_the_guard_does_not_take_is_told_once_the_rest_is_done(conductor) -> None:
+    conductor.bridge.takes, done = False, []
+    acknowledged = replace(ACKNOWLEDGED, prepared=Prepared(Restarted(), then=done.append))
+    with pytest.raises(ServiceError) as caught:
+        conductor._follow(acknowledged)
+    assert caught.value.code == "guard_down"
+    assert done == [acknowledged.decision]
 
 
 @pytest.mark.parametrize("state", [State.SAFE_HOLD, State.INSERTING, State.ABORTED])
