@@ -8,11 +8,12 @@ from simulator.demo.results import TargetResult, Verified
 
 # The paper's ten laboratory alignments, at 80 mm below the end-effector.
 PAPER_MAX_DEG, PAPER_MAX_MM = 0.94, 1.31
+_CAPTION = "angle in deg, position in mm 80 mm below the guide (true: at the pedicle); + marks a corrective motion"
 
 
 def result_table(results: Sequence[TargetResult]) -> Table:
     """One row a target, the maxima, and the paper's maxima."""
-    table = Table(caption="angle in deg, position in mm, 80 mm below the guide; + marks a corrective motion")
+    table = Table(caption=_CAPTION)
     table.add_column("target")
     for name in ("moved, mm", "turned, deg", "contour", "95 % bound", "paper's way", "true", "X-rays", "time, s"):
         table.add_column(name, justify="right")
