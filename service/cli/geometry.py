@@ -76,11 +76,10 @@ def register_command(
     frame: FrameOption = None,
 ) -> None:
     """Find the guide in each image: intrinsics and pose, one JSON line per image."""
-    from vision.registration import register as register_image
-
     from vision.devices import read_carm, read_guide
     from vision.refusal import Refusal
     from vision.registered import Method
+    from vision.registration import register as register_image
     from vision.registration_json import to_json
 
     guide_file, carm_file = read_device(guide, read_guide), read_device(carm, read_carm)
