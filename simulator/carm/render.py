@@ -1,6 +1,8 @@
 """X-ray images: Beer-Lambert along straight rays, then the intensifier, the quanta and the display."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import cv2
@@ -16,6 +18,7 @@ from simulator.carm.told import truth_of
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
+Depths = Callable[[Array], Array]  # optical depth (n,) at ideal pixels (n, 2)
 
 _EMPTY_DEPTH = 1.0  # of a scene without a patient: table and housing of the detector
 _NEAR_WIRE_PX = 10  # width of the band around a wire's projection that is looked at closely
@@ -35,10 +38,10 @@ def render(scene: Scene, seed: int) -> RenderedXray:
     """The image of a scene; the seed draws the quantum noise alone."""
     intensity = np.exp(-enlarge(_soft_depths(scene), scene.camera.columns, scene.camera.rows))
     for guide in scene.guides:
-        _shade(intensity, scene, _near_metal(scene, guide), lambda at, guide=guide: _metal_depths(scene, guide, at))
+        _shade(intensity, scene, _near_metal(scene, guide), partial(_metal_depths, scene, guide))
     if scene.plate is not None:
         plate = scene.plate
-        _shade(intensity, scene, _near_balls(scene, plate), lambda at: plate.depths(scene.camera, at))
+        _shade(intensity, scene, _near_balls(scene, plate), partial(plate.depths, scene.camera))
     pixels = develop(intensity, scene, np.random.default_rng(seed))
     return RenderedXray(pixels, truth_of(scene))
 
@@ -89,7 +92,7 @@ def _near_balls(scene: Scene, plate: Plate) -> NDArray[np.bool_]:
     return spots > 0
 
 
-def _shade(intensity: Array32, scene: Scene, mask: NDArray[np.bool_], depths: Any) -> None:
+def _shade(intensity: Array32, scene: Scene, mask: NDArray[np.bool_], depths: Depths) -> None:
     """Multiply pixels by what metal lets through, as a mean over parts of each pixel."""
     v, u = np.nonzero(mask)
     middles = np.stack([u, v], axis=-1).astype(np.float64)
