@@ -10,11 +10,12 @@ from vision.absorption import Absorption, absorption
 from vision.devices import CArm
 from vision.distortion import DistortionMap, PlateFit, exact, fit
 from vision.plate import find_lattice
-from vision.refusal import Refusal
+from vision.refusal import Refusal, RefusalCode
 from vision.xray import XrayImage
 
 Array = NDArray[np.float64]
 
+_LEAST_FIELD_SHARE = 0.1  # a guide covers more of the smallest field
 _BALL_HALO_PX = 2.0  # around a ball's rim: blur
 
 
@@ -59,9 +60,14 @@ def correct(image: XrayImage, carm: CArm) -> CorrectedImage | Refusal:
     Returns
     -------
     CorrectedImage or Refusal
-        `plate_missing`, `plate_too_sparse`, or `scale_mismatch` where the plate contradicts the file's pixel size.
+        `no_guide_found` where hardly any beam arrived, `plate_missing`, `plate_too_sparse`, or `scale_mismatch` where
+        the plate contradicts the file's pixel size.
     """
     seen = absorption(image)
+    field_share = seen.field_area_px / seen.inside.size
+    if field_share < _LEAST_FIELD_SHARE:
+        message = "share of the image that the beam reached"
+        return Refusal(RefusalCode.NO_GUIDE_FOUND, message, field_share, _LEAST_FIELD_SHARE)
     file_pixel_mm = carm.field_of_view_mm / max(image.rows, image.columns)
     if carm.plate is None:
         return CorrectedImage(seen, exact(DistortionMap.identity(image.rows, image.columns, file_pixel_mm)), 0.0)

@@ -1,0 +1,168 @@
+"""Each gate just inside and just outside its limit."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from vision import gates
+from vision.contour import ContourFit, Observations
+from vision.devices import Guide
+from vision.line_ends import LineEnd
+from vision.projection import Intrinsics, View
+from vision.refusal import Refusal, RefusalCode
+from vision.registered import PredictedError
+from vision.wire_model import Wire, WireSamples
+
+PULLS = ("source_to_image", "square", "centre_u", "centre_v", "small_radius", "big_radius", "separation")
+LIMIT_JUST_ABOVE, LIMIT_JUST_BELOW = 1.001, 0.999
+
+
+@pytest.fixture
+def fit(guide: Guide) -> ContourFit:
+    """A faultless fit of 72 points a ring and 40 on the line."""
+    pose = np.eye(4)
+    pose[2, 3] = 750.0
+    return ContourFit(
+        view=View(Intrinsics(2844.0, 2844.0, 511.5, 511.5), pose),
+        guide=guide,
+        residual_px=np.zeros(184),
+        weight=np.ones(184),
+        noise_px=0.1,
+        correlation=3.0,
+        pulls_sd=dict.fromkeys(PULLS, 0.0),
+        covariance=np.eye(13),
+    )
+
+
+def places() -> WireSamples:
+    """A place in each sector of 5 degrees of both rings, and 40 along the line."""
+    angles = (np.arange(72) + 0.5) * 2.0 * math.pi / 72.0
+    wire = np.repeat([Wire.SMALL_RING, Wire.BIG_RING, Wire.LINE], [72, 72, 40]).astype(np.intp)
+    along = np.concatenate((angles, angles, np.linspace(26.0, 66.0, 40)))
+    return WireSamples(wire, along, np.zeros((184, 2)), np.zeros((184, 2)))
+
+
+def observations(seen: NDArray[np.bool_]) -> Observations:
+    """Those places that were seen."""
+    at = places().chosen(seen)
+    none = np.zeros((0, 3)), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0)
+    return Observations(at.wire, at.along, at.points, at.normals, *none)
+
+
+def coverage(fit: ContourFit, hidden: slice, covered: slice | None = None) -> Refusal | None:
+    """The gate's word when some places show nothing and a crossing covers others."""
+    seen, possible = np.ones(184, dtype=bool), np.ones(184, dtype=bool)
+    seen[hidden] = False
+    if covered is not None:
+        seen[covered] = possible[covered] = False
+    fewer = replace(fit, weight=np.ones(int(seen.sum())), residual_px=np.zeros(int(seen.sum())))
+    return gates.check_coverage(fewer, observations(seen), places().chosen(possible))
+
+
+def test_a_hundred_degrees_of_a_ring_may_be_hidden_and_no_more(fit: ContourFit) -> None:
+    assert coverage(fit, slice(30, 50)) is None
+    refusal = coverage(fit, slice(30, 51))
+    assert refusal is not None
+    assert refusal.code is RefusalCode.RING_MISSING
+    assert refusal.measured == pytest.approx(105.0)
+
+
+def test_a_gap_is_counted_across_the_angle_where_counting_begins(fit: ContourFit) -> None:
+    seen = np.ones(184, dtype=bool)
+    seen[72:83] = seen[133:144] = False
+    fewer = replace(fit, weight=np.ones(int(seen.sum())))
+    refusal = gates.check_coverage(fewer, observations(seen), places())
+    assert refusal is not None
+    assert refusal.measured == pytest.approx(110.0)
+
+
+def test_what_a_crossing_covers_is_no_gap_but_half_a_ring_must_be_seen(fit: ContourFit) -> None:
+    assert coverage(fit, slice(0, 0), covered=slice(10, 45)) is None
+    refusal = coverage(fit, slice(0, 0), covered=slice(10, 47))
+    assert refusal is not None
+    assert refusal.code is RefusalCode.RING_MISSING
+
+
+def test_points_without_weight_are_not_seen(fit: ContourFit) -> None:
+    weight = np.ones(184)
+    weight[72:110] = 0.0
+    assert (
+        gates.check_coverage(replace(fit, weight=weight), observations(np.ones(184, dtype=bool)), places()) is not None
+    )
+
+
+END = LineEnd(66.0, 0.0, 0.5)
+
+
+@pytest.mark.parametrize(("ends", "needed"), [([END], 16), ([], 28)])
+def test_the_line_must_be_seen_and_better_where_no_end_is(fit: ContourFit, ends: list[LineEnd], needed: int) -> None:
+    for count, passes in ((needed, True), (needed - 1, False)):
+        seen = np.ones(184, dtype=bool)
+        seen[144 + count :] = False
+        fewer = replace(fit, weight=np.ones(int(seen.sum())))
+        refusal = gates.check_line(fewer, observations(seen), places(), ends)
+        assert (refusal is None) is passes
+        assert refusal is None or refusal.code is RefusalCode.LINE_MISSING
+
+
+def test_line_ends_in_place_pass_others_do_not() -> None:
+    near, off, faint = replace(END, excess_px=-1.49), replace(END, excess_px=1.51), replace(END, amplitude=0.1)
+    assert gates.check_line_ends([near, END], 0.2) is None
+    assert gates.check_line_ends([], 0.2) is None
+    mismatch, missing = gates.check_line_ends([END, off], 0.2), gates.check_line_ends([END, faint], 0.2)
+    assert mismatch is not None
+    assert mismatch.code is RefusalCode.GUIDE_MISMATCH
+    assert missing is not None
+    assert missing.code is RefusalCode.LINE_MISSING
+
+
+@pytest.mark.parametrize("name", PULLS)
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_strained_prior_is_named(fit: ContourFit, name: str, sign: float) -> None:
+    inside, outside = (
+        gates.check_pulls(replace(fit, pulls_sd=fit.pulls_sd | {name: sign * gates.GREATEST_PULL_SD * factor}))
+        for factor in (LIMIT_JUST_BELOW, LIMIT_JUST_ABOVE)
+    )
+    assert inside is None
+    assert outside is not None
+    assert outside.code is RefusalCode.GUIDE_MISMATCH
+    assert name in outside.message
+
+
+def test_small_strains_of_all_add_up(fit: ContourFit) -> None:
+    strained = replace(fit, pulls_sd=dict.fromkeys(PULLS, 1.5))
+    assert gates.check_bead(1.0, strained) is None
+    assert gates.check_bead(3.9, fit) is None
+    for distance_sd, strain in ((3.0, strained), (4.1, fit), (math.nan, fit)):
+        refusal = gates.check_bead(distance_sd, strain)
+        assert refusal is not None
+        assert refusal.code is RefusalCode.GUIDE_MISMATCH
+
+
+@pytest.mark.parametrize(("tilt_deg", "passes"), [(0.0, True), (44.9, True), (45.1, False), (179.0, False)])
+def test_the_tilt_is_limited(fit: ContourFit, tilt_deg: float, passes: bool) -> None:
+    pose = fit.view.source_from_guide.copy()
+    c, s = math.cos(math.radians(tilt_deg)), math.sin(math.radians(tilt_deg))
+    pose[:3, :3] = [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]
+    refusal = gates.check_tilt(View(fit.view.intrinsics, pose))
+    assert (refusal is None) is passes
+
+
+def test_residual_scale_and_predicted_errors_are_limited(fit: ContourFit) -> None:
+    assert gates.check_residual(fit) is None
+    noisy = gates.check_residual(replace(fit, noise_px=gates.GREATEST_RESIDUAL_PX * LIMIT_JUST_ABOVE))
+    assert noisy is not None
+    assert noisy.code is RefusalCode.RESIDUAL_TOO_HIGH
+    assert gates.check_scale(0.3516, 0.3516 * 1.05) is None
+    for file_mm in (0.3516 * 2.0, 0.3516 / 2.0):
+        scale = gates.check_scale(0.3516, file_mm)
+        assert scale is not None
+        assert scale.code is RefusalCode.SCALE_MISMATCH
+    assert gates.check_predicted(PredictedError(1e-3, 0.1, 80.0)) is None
+    for angle_rad, position_mm in ((0.01, 0.1), (1e-3, 0.6), (math.nan, 0.1), (1e-3, math.nan)):
+        predicted = gates.check_predicted(PredictedError(angle_rad, position_mm, 80.0))
+        assert predicted is not None
+        assert predicted.code is RefusalCode.PREDICTED_ERROR_TOO_HIGH
