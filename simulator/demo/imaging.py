@@ -2,7 +2,7 @@
 
 from service.client import Case
 from simulator.demo.failure import DemoFailed, measured
-from simulator.demo.patience import patiently
+from simulator.demo.patience import HELD, leave_hold, patiently
 from simulator.demo.team import Team
 from simulator.demo.watching import Json, await_event, why
 
@@ -63,7 +63,8 @@ def _expose(team: Team, wanted: tuple[str, ...]) -> Json:
     team.operator.command("exposure-requested")
     with team.teller.doing("X-ray"):
         team.door.expose()
-        return await_event(team.surgeon, after, wanted, _RESULT_WITHIN_S)
+        event = await_event(team.surgeon, after, wanted, _RESULT_WITHIN_S)
+    return event if event["state"] != HELD else event | {"state": leave_hold(team)}
 
 
 def _refused(team: Team, event: Json) -> DemoFailed:

@@ -11,6 +11,7 @@ from simulator.demo.team import Team
 _Result = TypeVar("_Result")
 # Links that lost a few of many messages a second; whatever else stops the arm ends the run.
 _LOST_LINKS = ("heartbeat_lost", "feedback_lost")
+HELD = "safe_hold"
 _STALE = "H21"
 _TRIES = 4
 _TOLD_WITHIN_S = 1.0
@@ -31,12 +32,22 @@ def patiently(team: Team, step: Callable[[], _Result]) -> _Result:
     return step()
 
 
+def leave_hold(team: Team) -> str:
+    """Acknowledge a hold that a lost link caused: the state that the case settles in; DemoFailed for another cause."""
+    held_for = str(team.surgeon.status()["held_for"])
+    if held_for not in _LOST_LINKS:
+        raise DemoFailed(held_for, "the case is held")
+    team.teller.tell(f"{held_for}: the arm was held; looked at, acknowledged")
+    _acknowledged(team, held_for)
+    return str(team.surgeon.status()["state"])
+
+
 def _lost_link(team: Team, error: DemoFailed | Refused) -> str | None:
     """The lost link that held the case, which is acknowledged then; or that a reading was late; None otherwise."""
     end_s = time.monotonic() + _TOLD_WITHIN_S  # the refusal comes before the fault is in the record
     while time.monotonic() < end_s:
         status = team.surgeon.status()
-        if status["state"] == "safe_hold":
+        if status["state"] == HELD:
             held_for = str(status["held_for"])
             return _acknowledged(team, held_for) if held_for in _LOST_LINKS else None
         time.sleep(_LOOK_EVERY_S)

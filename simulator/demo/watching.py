@@ -9,20 +9,25 @@ from simulator.demo.failure import DemoFailed, failed_verdicts
 Json = dict[str, Any]
 _LOOK_EVERY_S = 0.05
 _HELD = "safe_hold"
+_IN_USE = (3, 4)  # the table's rows for an image that was asked for
 
 
 def await_event(case: Case, after: int, wanted: tuple[str, ...], timeout_s: float) -> Json:
     """The first of the wanted events behind sequence `after`.
 
-    DemoFailed if the case is held first, if an image was not taken for what it was asked for, or if nothing comes.
+    DemoFailed if the case is held before an image is in use, if the image was not taken for what it was asked for, or
+    if nothing comes. What is made of an image that is in use comes during a hold too.
     """
+    in_use = False
     end_s = time.monotonic() + timeout_s
     while time.monotonic() < end_s:
         for event in case.room.get_list(f"/cases/{case.id}/audit?after={after}"):
             after = event["sequence"]
             if event["trigger"] in wanted:
                 return event
-            _check(case, event)
+            in_use = in_use or _takes_image(case, event)
+            if event["state"] == _HELD and not in_use:
+                raise DemoFailed(str(event["case_state"].get("held_for")), f"the case is held since {event['trigger']}")
         time.sleep(_LOOK_EVERY_S)
     raise DemoFailed("nothing_came", f"no {' or '.join(wanted)} within {timeout_s:g} s")
 
@@ -33,11 +38,12 @@ def why(case: Case, trigger: str) -> str:
     return failed_verdicts(newest["verdicts"]) if newest else ""
 
 
-def _check(case: Case, event: Json) -> None:
-    if event["state"] == _HELD:
-        held_for = event["case_state"].get("held_for")
-        raise DemoFailed(str(held_for), f"the case is held since {event['trigger']}")
-    if event["trigger"] == "image_arrived" and event["data"]["row"] not in (3, 4):
-        problem = event["data"].get("problem")
-        text = why(case, "image_arrived") or f"taken as {event['data']['taken_as']}"
-        raise DemoFailed("image_not_used", problem["message"] if problem else text)
+def _takes_image(case: Case, event: Json) -> bool:
+    """Whether with this event an image enters the chain; DemoFailed if it came and does not."""
+    if event["trigger"] != "image_arrived":
+        return False
+    if event["data"]["row"] in _IN_USE:
+        return True
+    problem = event["data"].get("problem")
+    text = why(case, "image_arrived") or f"taken as {event['data']['taken_as']}"
+    raise DemoFailed("image_not_used", problem["message"] if problem else text)
