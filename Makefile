@@ -27,14 +27,14 @@ check: $(VENV)/.test  ## formatting, lint, types, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-# What keeps real time (the arm's 125 Hz, a heartbeat's 200 ms) is not run beside what fills both cores.
+# What keeps real time (the arm's 125 Hz, a heartbeat's 200 ms) is run alone: beside others it would measure them.
 REAL_TIME := tests/simulator/test_controller*.py
 
 tests: $(VENV)/.test
 	@for need in dcmtk:storescu postgresql:pg_lsclusters; do command -v $${need#*:} >/dev/null || \
 	  { echo "missing Debian package: apt-get install $${need%:*}"; exit 1; }; done
 	$(BIN)/python -m pytest -n 2 --ignore=tests/robot --ignore=tests/system --ignore-glob='$(REAL_TIME)'
-	$(BIN)/python -m pytest -n 2 tests/robot $(REAL_TIME)
+	$(BIN)/python -m pytest tests/robot $(REAL_TIME)
 	$(BIN)/python -m pytest tests/system
 
 samples: $(VENV)/.runtime  ## register, flip and turn the images of SAMPLES=folder against their truth

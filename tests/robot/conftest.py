@@ -14,8 +14,9 @@ import pytest
 
 from robot.arm import ArmState
 from robot.guard.client import GuardClient, GuardConfig
-from robot.guard.messages import BeginMove, Event, Heartbeat, MotionEnded, Status
+from robot.guard.messages import BeginMove, Event, Heartbeat, MotionEnded, MoveRefused, Status
 from robot.kinematics import base_from_flange
+from robot.refusal import RefusalCode
 from robot.safety import SafetyState
 from simulator.controller import ControllerProcess, ControllerSettings, free_loopback_address
 
@@ -149,14 +150,18 @@ class Bench:
             self.permit_id = f"permit-{attempt}"
             self.hold(self.permit_id)
             self.client.begin_move(self.order(self.permit_id, step_mm))
-            self.until(lambda: self._runs() or self.count(MotionEnded) > 0, 5.0)
-            if self.count(MotionEnded) == 0:
+            self.until(lambda: self._runs() or self._hold_lost(), 5.0)
+            if not self._hold_lost():
                 return
             # A crowded machine may lose the hold at once: the hand lets go, and tries again as a surgeon would.
             self.client.acknowledge()
             self.until(lambda: self.status.phase == "idle", 2.0)
             self.events.clear()
         pytest.fail("the machine is too busy to hold a motion")
+
+    def _hold_lost(self) -> bool:
+        refused = (event.refusal.code for event in self.events if isinstance(event, MoveRefused))
+        return self.count(MotionEnded) > 0 or RefusalCode.NO_LIVE_HEARTBEAT in refused
 
     def _runs(self) -> bool:
         return self.controller.state().tcp_speed_mm_s > 15.0
@@ -209,7 +214,7 @@ class Bench:
     def _beat(self, permit_id: str) -> None:
         for number in count(1):
             now_s = time.monotonic()
-            known = [status for status in self._seen if status.sent_at_s <= now_s - self.delay_s]
+            known = [status for status in list(self._seen) if status.sent_at_s <= now_s - self.delay_s]
             if known and not self.silent:
                 self.last_challenge_at_s = known[-1].sent_at_s
                 self.client.heartbeat(Heartbeat(permit_id, number, known[-1].challenge, self.held))
