@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
+from scipy.ndimage import distance_transform_edt
 
 from vision.conics import Ellipse, conic_from_ellipse, fit_ellipse
 from vision.wires import Ridge
@@ -25,6 +25,7 @@ _NORMALS_WITHIN = 0.95  # cosine of the angle between the ridge's normal and the
 _REFINED = 150  # hypotheses refined, the best supported first
 _ALIKE_PX = 2.0  # the same of hypotheses: each refines to the same ring
 _SAME_PX = 6.0  # ellipses nearer than this to one another in centre and axes are one
+_MARGIN_PX = 8  # around all ridge points; beyond it the nearest is too far anyway
 _SEED = 20  # of the triples: the same image gives the same registration
 
 
@@ -45,6 +46,24 @@ class RingCandidate:
     support: float
 
 
+class _NearestRidge:
+    """Which ridge point is nearest, looked up pixel by pixel: millions of places are asked for."""
+
+    def __init__(self, ridge: Ridge) -> None:
+        self._corner = np.floor(ridge.points.min(axis=0)).astype(np.intp) - _MARGIN_PX
+        pixels = np.rint(ridge.points).astype(np.intp) - self._corner
+        self._last = pixels.max(axis=0) + _MARGIN_PX
+        owner = np.full((self._last[1] + 1, self._last[0] + 1), -1, dtype=np.intp)
+        owner[pixels[:, 1], pixels[:, 0]] = np.arange(len(pixels))
+        v, u = distance_transform_edt(owner < 0, return_distances=False, return_indices=True)
+        self._index = owner[v, u]
+
+    def index(self, points: Array) -> NDArray[np.intp]:
+        """Index (...) of the ridge point nearest to each place (..., 2), corrected pixels."""
+        u, v = np.moveaxis(np.clip(np.rint(points).astype(np.intp) - self._corner, 0, self._last), -1, 0)
+        return np.asarray(self._index[v, u], dtype=np.intp)
+
+
 def ring_candidates(ridge: Ridge, axes: AxisRange) -> list[RingCandidate]:
     """Ellipses that ridge points follow.
 
@@ -62,10 +81,10 @@ def ring_candidates(ridge: Ridge, axes: AxisRange) -> list[RingCandidate]:
     """
     if len(ridge.points) < 50:
         return []
-    tree = KDTree(ridge.points)
+    nearest = _NearestRidge(ridge)
     hypotheses = _hypotheses(ridge, axes)
-    support = _supports(hypotheses, ridge, tree, _SAMPLES, _LOOSE_PX)
-    candidates = [_refined(one, ridge, tree, axes) for one in _different(hypotheses[np.argsort(-support)])]
+    support = _supports(hypotheses, ridge, nearest, _SAMPLES, _LOOSE_PX)
+    candidates = [_refined(one, ridge, nearest, axes) for one in _different(hypotheses[np.argsort(-support)])]
     distinct: list[RingCandidate] = []
     for candidate in sorted((c for c in candidates if c is not None), key=lambda c: -c.support):
         if candidate.support >= LEAST_SUPPORT and not any(_same(candidate.ellipse, d.ellipse) for d in distinct):
@@ -86,7 +105,16 @@ def _hypotheses(ridge: Ridge, axes: AxisRange) -> Array:
     squares = np.stack((x * x, x * y, y * y), axis=2)
     solvable = np.isfinite(centre).all(axis=1) & (np.abs(np.linalg.det(np.nan_to_num(squares))) > 1.0)
     form = np.linalg.solve(squares[solvable], np.ones((int(solvable.sum()), 3, 1)))[:, :, 0]
-    return _plausible(np.column_stack((centre[solvable], form)), axes)
+    tangent = _follows(form, x[solvable], y[solvable], n[solvable])
+    return _plausible(np.column_stack((centre[solvable], form))[tangent], axes)
+
+
+def _follows(form: Array, x: Array, y: Array, normals: Array) -> NDArray[np.bool_]:
+    """Which forms (h, 3) have, at all three of their points (h, 3) about the centre, the ridge's own directions."""
+    a, b, c = (column[:, None] for column in form.T)
+    gradient = np.stack((2.0 * a * x + b * y, b * x + 2.0 * c * y), axis=2)
+    cosine = np.abs((gradient * normals).sum(axis=2)) / np.linalg.norm(gradient, axis=2)
+    return np.asarray((cosine > _NORMALS_WITHIN).all(axis=1))
 
 
 def _different(hypotheses: Array) -> Array:
@@ -142,7 +170,7 @@ def _plausible(hypotheses: Array, axes: AxisRange) -> Array:
     return np.asarray(hypotheses[fits], dtype=np.float64)
 
 
-def _supports(hypotheses: Array, ridge: Ridge, tree: KDTree, samples: int, within_px: float) -> Array:
+def _supports(hypotheses: Array, ridge: Ridge, nearest: _NearestRidge, samples: int, within_px: float) -> Array:
     """Share (h,) of `samples` points of each circumference near which a ridge point of the same direction lies."""
     if not len(hypotheses):
         return np.zeros(0)
@@ -153,13 +181,13 @@ def _supports(hypotheses: Array, ridge: Ridge, tree: KDTree, samples: int, withi
     normal = np.stack((2.0 * a * x + b * y, b * x + 2.0 * c * y), axis=2)
     normal /= np.linalg.norm(normal, axis=2, keepdims=True)
     points = hypotheses[:, None, :2] + radius[:, :, None] * np.stack((x, y), axis=1)
-    _, index = tree.query(points, distance_upper_bound=within_px)
-    found = index < len(ridge.points)
-    parallel = np.abs((ridge.normals[np.where(found, index, 0)] * normal).sum(axis=2)) > _NORMALS_WITHIN
+    index = nearest.index(points)
+    found = np.linalg.norm(points - ridge.points[index], axis=2) < within_px
+    parallel = np.abs((ridge.normals[index] * normal).sum(axis=2)) > _NORMALS_WITHIN
     return np.asarray((found & parallel).mean(axis=1), dtype=np.float64)
 
 
-def _refined(hypothesis: Array, ridge: Ridge, tree: KDTree, axes: AxisRange) -> RingCandidate | None:
+def _refined(hypothesis: Array, ridge: Ridge, nearest: _NearestRidge, axes: AxisRange) -> RingCandidate | None:
     """The hypothesis refitted to the ridge points along it, three times, ever more closely."""
     form = hypothesis
     for within_px in (2.0 * _LOOSE_PX, _LOOSE_PX):
@@ -170,7 +198,7 @@ def _refined(hypothesis: Array, ridge: Ridge, tree: KDTree, axes: AxisRange) -> 
     ellipse = fit_ellipse(ridge.points[followers(form, ridge, _TIGHT_PX)])
     if ellipse is None or not len(_plausible(_form(ellipse)[None], axes)):
         return None
-    support = _supports(_form(ellipse)[None], ridge, tree, _FINE_SAMPLES, _TIGHT_PX)
+    support = _supports(_form(ellipse)[None], ridge, nearest, _FINE_SAMPLES, _TIGHT_PX)
     return RingCandidate(ellipse, float(support[0]))
 
 
