@@ -97,9 +97,11 @@ def _hypotheses(ridge: Ridge, axes: AxisRange) -> Array:
     random = np.random.default_rng(_SEED)
     triple = random.integers(0, len(ridge.points), (_TRIPLES, 3))
     reach = 2.0 * axes.greatest_px
-    spread = np.abs(ridge.points[triple[:, 1:]] - ridge.points[triple[:, :1]]).max(axis=(1, 2))
-    p = ridge.points[triple[spread < reach]]
-    n = ridge.normals[triple[spread < reach]]
+    u, v = ridge.points[:, 0][triple], ridge.points[:, 1][triple]
+    near = np.ones(_TRIPLES, dtype=bool)
+    for other in (1, 2):
+        near &= (np.abs(u[:, other] - u[:, 0]) < reach) & (np.abs(v[:, other] - v[:, 0]) < reach)
+    p, n = ridge.points[triple[near]], ridge.normals[triple[near]]
     centre = _centres(p, n)
     x, y = np.moveaxis(p - centre[:, None, :], 2, 0)
     squares = np.stack((x * x, x * y, y * y), axis=2)
@@ -123,13 +125,13 @@ def _different(hypotheses: Array) -> Array:
     A conspicuous circle (the guide's housing seen end-on) is voted for by hundreds of triples, which would crowd out
     the guide's own rings.
     """
-    left = np.column_stack((hypotheses[:, :2], *_axes(hypotheses)))
+    left = np.vstack((hypotheses[:, :2].T, *_axes(hypotheses)))
     chosen: list[int] = []
-    free = np.ones(len(left), dtype=bool)
+    free = np.ones(len(hypotheses), dtype=bool)
     while free.any() and len(chosen) < _REFINED:
         first = int(np.argmax(free))
         chosen.append(first)
-        free &= np.abs(left - left[first]).max(axis=1) > _ALIKE_PX
+        free &= np.abs(left - left[:, first, None]).max(axis=0) > _ALIKE_PX
     return hypotheses[chosen]
 
 
@@ -155,8 +157,9 @@ def _centres(p: Array, n: Array) -> Array:
         along = middle - np.stack((meet_u, meet_v), axis=1)
         lines.append((np.stack((-along[:, 1], along[:, 0]), axis=1), middle))
     (a, p_a), (b, p_b) = lines
-    right = np.stack(((a * p_a).sum(axis=1), (b * p_b).sum(axis=1)), axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    # parallel tangents meet nowhere: such triples are left out by their centre
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        right = np.stack(((a * p_a).sum(axis=1), (b * p_b).sum(axis=1)), axis=1)
         determinant = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
         u = (right[:, 0] * b[:, 1] - right[:, 1] * a[:, 1]) / determinant
         v = (a[:, 0] * right[:, 1] - b[:, 0] * right[:, 0]) / determinant
