@@ -25,7 +25,7 @@ def wire_width_px(guide: Guide, carm: CArm, nominal: Intrinsics) -> float:
 
 
 def find_candidates(
-    image: CorrectedImage, guide: Guide, carm: CArm, priors: Priors, reader: ProfileReader
+    image: CorrectedImage, guide: Guide, carm: CArm, priors: Priors, reader: ProfileReader, triples: int
 ) -> list[FirstView] | Refusal:
     """First views worth refining.
 
@@ -37,6 +37,8 @@ def find_candidates(
         The device files and what they predict.
     reader : ProfileReader
         Of the image.
+    triples : int
+        How hard to look.
 
     Returns
     -------
@@ -50,7 +52,7 @@ def find_candidates(
         least_px=per_mm * guide.small_ring_radius_mm / _FARTHEST_SHARE,
         greatest_px=per_mm * guide.big_ring_radius_mm / _NEAREST_SHARE,
     )
-    candidates = ring_candidates(ridge, axes)
+    candidates = ring_candidates(ridge, axes, triples)
     if not candidates:
         return Refusal(RefusalCode.NO_GUIDE_FOUND, "rings of the guide's size found", 0, 2)
     pairs = consistent_pairs(candidates, guide, nominal)[:_MOST_PAIRS]

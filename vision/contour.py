@@ -35,8 +35,8 @@ class Observations:
 
     Attributes
     ----------
-    points_in_guide : tuple[NDArray[np.intp], Array] is kept apart as `wire` and `along`
-        Places on the wires, as in `WireSamples`.
+    wire, along
+        (n,) each: places on the wires, as in `WireSamples`.
     measured : Array
         (n, 2), corrected pixels.
     normals : Array

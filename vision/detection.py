@@ -17,7 +17,8 @@ from vision.wires import Ridge
 Array = NDArray[np.float64]
 
 LEAST_SUPPORT = 0.4  # of a circumference with ridge points; what is really seen is measured and judged later (gates)
-_TRIPLES = 300_000  # a faint ring among 5,000 ridge points still gets tens of triples of its own
+QUICK_TRIPLES = 60_000  # enough for rings as conspicuous as they mostly are
+THOROUGH_TRIPLES = 300_000  # a faint ring among 5,000 ridge points still gets tens of triples of its own
 _SAMPLES = 40  # on the circumference, for the first look
 _FINE_SAMPLES = 180
 _LOOSE_PX, _TIGHT_PX = 3.0, 1.5
@@ -64,7 +65,7 @@ class _NearestRidge:
         return np.asarray(self._index[v, u], dtype=np.intp)
 
 
-def ring_candidates(ridge: Ridge, axes: AxisRange) -> list[RingCandidate]:
+def ring_candidates(ridge: Ridge, axes: AxisRange, triples: int = THOROUGH_TRIPLES) -> list[RingCandidate]:
     """Ellipses that ridge points follow.
 
     Parameters
@@ -73,6 +74,8 @@ def ring_candidates(ridge: Ridge, axes: AxisRange) -> list[RingCandidate]:
         Corrected pixels.
     axes : AxisRange
         What a ring may look like.
+    triples : int
+        How many ellipses to try.
 
     Returns
     -------
@@ -82,7 +85,7 @@ def ring_candidates(ridge: Ridge, axes: AxisRange) -> list[RingCandidate]:
     if len(ridge.points) < 50:
         return []
     nearest = _NearestRidge(ridge)
-    hypotheses = _hypotheses(ridge, axes)
+    hypotheses = _hypotheses(ridge, axes, triples)
     support = _supports(hypotheses, ridge, nearest, _SAMPLES, _LOOSE_PX)
     candidates = [_refined(one, ridge, nearest, axes) for one in _different(hypotheses[np.argsort(-support)])]
     distinct: list[RingCandidate] = []
@@ -92,13 +95,13 @@ def ring_candidates(ridge: Ridge, axes: AxisRange) -> list[RingCandidate]:
     return distinct
 
 
-def _hypotheses(ridge: Ridge, axes: AxisRange) -> Array:
+def _hypotheses(ridge: Ridge, axes: AxisRange, triples: int) -> Array:
     """Ellipses (h, 5) as centre u, v and A, B, C of A x^2 + B x y + C y^2 = 1, from random triples."""
     random = np.random.default_rng(_SEED)
-    triple = random.integers(0, len(ridge.points), (_TRIPLES, 3))
+    triple = random.integers(0, len(ridge.points), (triples, 3))
     reach = 2.0 * axes.greatest_px
     u, v = ridge.points[:, 0][triple], ridge.points[:, 1][triple]
-    near = np.ones(_TRIPLES, dtype=bool)
+    near = np.ones(triples, dtype=bool)
     for other in (1, 2):
         near &= (np.abs(u[:, other] - u[:, 0]) < reach) & (np.abs(v[:, other] - v[:, 0]) < reach)
     p, n = ridge.points[triple[near]], ridge.normals[triple[near]]

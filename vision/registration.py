@@ -11,6 +11,7 @@ from vision.candidates import find_candidates, wire_width_px
 from vision.conics import Ellipse, RingPair, fiducials, fit_ellipse
 from vision.contour import VIEW_PARAMETERS, Priors
 from vision.corrected_image import CorrectedImage, correct
+from vision.detection import QUICK_TRIPLES, THOROUGH_TRIPLES
 from vision.devices import CArm, Guide
 from vision.distortion import DistortionMap
 from vision.first_pose import FirstView
@@ -27,6 +28,7 @@ from vision.xray import XrayImage
 Array = NDArray[np.float64]
 
 _LEAST_LINE_CONTRAST = 0.4  # of the rings' own
+_FINAL = frozenset({RefusalCode.MIRRORED, RefusalCode.AMBIGUOUS})  # looking harder changes nothing about these
 _SAME_WITHIN_MM = 1.0  # refits of one guide agree far better, two guides cannot be so near
 _SAME_WITHIN_RAD = math.radians(3.0)
 
@@ -67,17 +69,27 @@ def register(
     nominal = nominal_intrinsics(carm, image.rows, image.columns, corrected.plate.map.pixel_size_mm)
     reader = ProfileReader(corrected.absorption, corrected.plate.map, wire_width_px(guide, carm, nominal))
     priors = Priors.of(carm, guide, nominal)
-    candidates = find_candidates(corrected, guide, carm, priors, reader)
-    if isinstance(candidates, Refusal):
-        return candidates
     scene = Scene(guide, priors, corrected.plate, reader, corrected.balls_corrected)
-    solution = _only_solution(candidates, scene, corrected)
+    solution = _searched(corrected, scene, carm)
     if isinstance(solution, Refusal):
         return solution
     registration = _registration(solution, image, guide, carm, corrected.plate.map, nominal, method, started)
     if isinstance(registration, Refusal):
         return registration
     return gates.check_predicted(registration.predicted_error_95) or registration
+
+
+def _searched(image: CorrectedImage, scene: Scene, carm: CArm) -> Solution | Refusal:
+    """The solution of a quick search; where that finds none, of a thorough one."""
+    solution = _search(image, scene, carm, QUICK_TRIPLES)
+    if isinstance(solution, Refusal) and solution.code not in _FINAL:
+        return _search(image, scene, carm, THOROUGH_TRIPLES)
+    return solution
+
+
+def _search(image: CorrectedImage, scene: Scene, carm: CArm, triples: int) -> Solution | Refusal:
+    candidates = find_candidates(image, scene.guide, carm, scene.priors, scene.reader, triples)
+    return candidates if isinstance(candidates, Refusal) else _only_solution(candidates, scene, image)
 
 
 def _only_solution(candidates: list[FirstView], scene: Scene, image: CorrectedImage) -> Solution | Refusal:
