@@ -8,7 +8,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests samples format docs lock
+.PHONY: help demo run test check tests samples scenes format docs lock
 
 help:  ## this list
 	@grep -hE '^[a-z]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -39,6 +39,9 @@ tests: $(VENV)/.test
 
 samples: $(VENV)/.runtime  ## register, flip and turn the images of SAMPLES=folder against their truth
 	$(BIN)/python benchmarks/samples.py $(SAMPLES)
+
+scenes: $(VENV)/.runtime  ## register random rendered scenes against their truth; COUNT=12 of each group
+	$(BIN)/python benchmarks/scenes.py --count $(or $(COUNT),12)
 
 format: $(VENV)/.test  ## write the house format
 	$(BIN)/ruff format --quiet .

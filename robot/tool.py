@@ -66,6 +66,8 @@ def read_tool(data: bytes) -> Tool:
     file = _parse(data)
     tcp, payload = _table(file, "tcp"), _table(file, "payload")
     given = _table(file, "tolerance") if "tolerance" in file else {}
+    for unknown in sorted(set(given) - set(_TOLERANCES)):
+        raise ValueError(f"[tolerance] {unknown} is unknown: a misspelt tolerance must not fall back to its default")
     tolerance = {name: _number(given, name, allowed, default) for name, (default, allowed) in _TOLERANCES.items()}
     return Tool(
         name=_text(file, "name"),

@@ -52,6 +52,7 @@ def test_tolerances_and_expiry_may_be_left_out() -> None:
         ("mass_kg = 0.8", "mass_kg = true", "mass_kg"),
         ("[1.0, 0.0, 60.0]", "[1.0, 0.0, 60000.0]", "centre_mm"),
         ("tcp_mm = 0.1", "tcp_mm = 100.0", "tcp_mm"),
+        ("tcp_mm = 0.1", "translation_mm = 0.1", "translation_mm"),  # misspelt, not left out
         ('version = "3"', "", "version"),
         ('version = "3"', "version = 3", "version"),
         ("expires = 2030-01-31", 'expires = "soon"', "expires"),

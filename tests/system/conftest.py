@@ -31,40 +31,9 @@ from simulator.controller import ControllerProcess, ControllerSettings, Payload,
 PASSWORD, PIN = "correct horse", "2468"
 _COAXIAL = [sys.executable, "-c", "from service.cli.main import main; main()"]
 _SECRETS = {"COAXIAL_PASSWORD": PASSWORD, "COAXIAL_PIN": PIN}
-_GUIDE = b"""
-name = "reference-guide"
-version = 1
-[small_ring]
-radius = 20.0
-[big_ring]
-radius = 30.0
-[axis]
-separation = 60.0
-[indicator_line]
-start = 26.0
-end = 66.0
-[wire]
-diameter = 1.2
-[bead]
-position = [0.0, 45.0, -30.0]
-diameter = 3.0
-[tolerance]
-radius_sd = 0.02
-separation_sd = 0.03
-bead_sd = 0.05
-bore_concentricity_sd = 0.02
-"""
-_CARM = b"""
-name = "reference-flat-panel"
-version = 1
-[geometry]
-source_to_image_distance = 1000.0
-source_to_image_distance_sd = 30.0
-principal_point_sd_px = 15.0
-[detector]
-kind = "flat-panel"
-field_of_view = 360.0
-"""
+_DEVICES = Path(__file__).parents[1] / "devices"
+_GUIDE = (_DEVICES / "guide.toml").read_bytes()
+_CARM = (_DEVICES / "flat-panel.toml").read_bytes()
 _TCP = b"""
 name = "guide-on-flange"
 version = "1"
