@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
+from functools import partial
 from typing import Protocol
 
 from simulator.controller.addresses import DASHBOARD_PORT, RTDE_PORT, SCRIPT_PORT
@@ -68,8 +69,16 @@ class ControllerServers:
             if fault in self._core.faults:
                 self._shut(port)
             elif port not in self._listening:
-                serve = self._servers[port].serve
-                self._listening[port] = await asyncio.start_server(serve, self._core.settings.address, port)
+                admit = partial(self._admit, port)
+                self._listening[port] = await asyncio.start_server(admit, self._core.settings.address, port)
+        await asyncio.sleep(0)  # an aborted connection is closed in the loop's next turn: whoever waits sees it closed
+
+    async def _admit(self, port: int, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Serve a client, unless its port was shut while it was being accepted."""
+        if _FAULT_OF_PORT[port] in self._core.faults:
+            writer.transport.abort()
+        else:
+            await self._servers[port].serve(reader, writer)
 
     def _cycle(self) -> None:
         self.pacing.note()
