@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_INVERSE_ROUNDS = 30  # each leaves at most half of the error in the corners: below a millionth of a pixel
+_INVERSE_ROUNDS = 30  # at most: each leaves at most half of the error in the corners
+_SETTLED_PX = 1e-7
 _REACH = 1.7  # half sides from the centre: beyond the corners
 _WAVES = 2
 
@@ -65,7 +66,10 @@ class Distortion:
         raw = np.array(ideal_px, dtype=np.float64)
         near = np.hypot(raw[..., 0] - self.centre_px, raw[..., 1] - self.centre_px) < _REACH * self.centre_px
         for _ in range(_INVERSE_ROUNDS):
-            raw = np.where(near[..., None], raw + (ideal_px - self.ideal_from_raw(raw)), raw)
+            move = np.where(near[..., None], ideal_px - self.ideal_from_raw(raw), 0.0)
+            raw += move
+            if np.abs(move).max(initial=0.0) < _SETTLED_PX:
+                break
         return raw
 
 

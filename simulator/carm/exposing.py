@@ -56,9 +56,9 @@ def _field(scene: Scene) -> NDArray[np.bool_]:
     camera = scene.camera
     if not scene.intensifier:
         return np.ones((camera.rows, camera.columns), dtype=np.bool_)
-    v, u = np.ogrid[: camera.rows, : camera.columns]
     radius = min(camera.rows, camera.columns) / 2.0 - _FIELD_EDGE_PX
-    inside: NDArray[np.bool_] = np.hypot(u - (camera.columns - 1) / 2.0, v - (camera.rows - 1) / 2.0) < radius
+    u, v = np.arange(camera.columns) - (camera.columns - 1) / 2.0, np.arange(camera.rows) - (camera.rows - 1) / 2.0
+    inside: NDArray[np.bool_] = u**2 + v[:, None] ** 2 < radius**2
     return inside
 
 

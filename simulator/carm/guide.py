@@ -23,7 +23,7 @@ class Part(StrEnum):
 
 ALL_PARTS = frozenset(Part)
 
-_METAL_PER_MM = 0.80
+METAL_PER_MM = 0.80
 _HOUSING_PER_MM = 0.011
 _HOUSING_OUTER_MM, _HOUSING_INNER_MM = 38.0, 34.0
 _HOUSING_BEYOND_MM = 5.0  # it stands out over both rings
@@ -44,18 +44,19 @@ class GuideShape:
     big_centre_mm: tuple[float, float] = (0.0, 0.0)
     parts: frozenset[Part] = ALL_PARTS
 
-    def metal_outline(self) -> tuple[Array, ...]:
-        """Points (n, 3) along every wire and at the bead: where an image has to be looked at closely."""
+    def metal_outline(self) -> tuple[tuple[Array, float], ...]:
+        """Points (n, 3) along every wire and at the bead, with its diameter: where to look closely at an image."""
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
         circle = np.stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)], axis=-1)
         along = np.linspace(self.line_start_mm, self.line_end_mm, 21)
+        wire = self.wire_diameter_mm
         outlines = {
-            Part.SMALL_RING: circle * self.small_radius_mm,
-            Part.BIG_RING: circle * self.big_radius_mm + self._big_centre,
-            Part.LINE: np.stack([along, 0.0 * along, 0.0 * along], axis=-1),
-            Part.BEAD: np.array([self.bead_mm, self.bead_mm]),
+            Part.SMALL_RING: (circle * self.small_radius_mm, wire),
+            Part.BIG_RING: (circle * self.big_radius_mm + self._big_centre, wire),
+            Part.LINE: (np.stack([along, 0.0 * along, 0.0 * along], axis=-1), wire),
+            Part.BEAD: (np.array([self.bead_mm, self.bead_mm]), self.bead_diameter_mm),
         }
-        return tuple(points for part, points in outlines.items() if part in self.parts)
+        return tuple(outline for part, outline in outlines.items() if part in self.parts)
 
     def metal_depths(self, origin: Array, rays: Array) -> Array:
         """Optical depth (n,) of wires and bead along rays from one origin (3,), unit directions (n, 3), guide frame."""
@@ -69,7 +70,7 @@ class GuideShape:
             chord += rod_chord(origin, rays, self.line_start_mm, self.line_end_mm, wire)
         if Part.BEAD in self.parts:
             chord += ball_chord(origin - np.array(self.bead_mm), rays, self.bead_diameter_mm / 2.0)
-        return _METAL_PER_MM * chord
+        return METAL_PER_MM * chord
 
     def housing_ball(self) -> tuple[Array, float]:
         """Middle (3,) and radius of a ball that holds the housing, guide frame, mm."""

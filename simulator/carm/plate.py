@@ -9,7 +9,7 @@ from simulator.carm.camera import Camera
 
 Array = NDArray[np.float64]
 
-_BALL_PER_MM = 0.50  # attenuation of the balls' metal
+BALL_PER_MM = 0.50  # attenuation of the balls' metal
 _BEYOND_PX = 120.0  # outside the image on the ideal grid, from where distortion may still bring a ball into it
 
 
@@ -33,7 +33,7 @@ class Plate:
         chord = 2.0 * np.sqrt(np.maximum((self.ball_diameter_mm / 2.0) ** 2 - squared, 0.0))
         if self.covered_to_mm is not None:
             chord = np.where(on_detector[..., 0] < self.covered_to_mm, 0.0, chord)
-        depths: Array = _BALL_PER_MM * chord
+        depths: Array = BALL_PER_MM * chord
         return depths
 
     def balls_ideal_px(self, camera: Camera) -> Array:

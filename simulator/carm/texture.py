@@ -11,6 +11,7 @@ Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
 
 _TILE_PX = 512
+_KEPT_TILES = 64  # 1 MB each: three for each of some patients
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,16 +30,19 @@ class Texture:
         along = np.float32(self.plane_mm - origin[1]) / steep
         x = (np.float32(origin[0]) + along * rays[..., 0]) / np.float32(self.pixel_mm)
         z = (np.float32(origin[2]) + along * rays[..., 2]) / np.float32(self.pixel_mm)
-        tile = _tile(self.seed, self.slope)
         sampled: Array32 = cv2.remap(
-            tile, np.mod(x, _TILE_PX), np.mod(z, _TILE_PX), cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP
+            tile(self), np.mod(x, _TILE_PX), np.mod(z, _TILE_PX), cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP
         )
         return sampled
 
 
-@lru_cache(maxsize=16)
+def tile(texture: Texture) -> Array32:
+    """One period of a texture: white noise shaped to a power of frequency."""
+    return _tile(texture.seed, texture.slope)
+
+
+@lru_cache(maxsize=_KEPT_TILES)
 def _tile(seed: int, slope: float) -> Array32:
-    """White noise shaped to a power of frequency; periodic by construction."""
     rng = np.random.default_rng(seed)
     spectrum = np.fft.rfft2(rng.standard_normal((_TILE_PX, _TILE_PX)))
     frequency = np.hypot(np.fft.fftfreq(_TILE_PX)[:, None], np.fft.rfftfreq(_TILE_PX)[None, :])
