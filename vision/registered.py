@@ -50,6 +50,22 @@ class PredictedError:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class FittedDimensions:
+    """The guide's dimensions as the fit has them, within the tolerances of its file.
+
+    Attributes
+    ----------
+    values_mm : Array
+        (3,): radius of the small ring, of the big one, their separation.
+    covariance : Array
+        (3, 13): of these with the ten parameters of `Registration.covariance`, then with themselves.
+    """
+
+    values_mm: Array
+    covariance: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Registration:
     """Intrinsics and pose of the guide from one image, with their covariance.
 
@@ -67,6 +83,8 @@ class Registration:
         distortion and the guide's tolerances of radius and separation; the bore's is added when it is propagated.
     predicted_error_95 : PredictedError
         For a target at the small ring's centre pixel.
+    dimensions : FittedDimensions or None
+        None for `paper`, which takes them from the file.
     """
 
     image: ImageIdentity
@@ -83,7 +101,18 @@ class Registration:
     covariance: Array
     predicted_error_95: PredictedError
     elapsed_ms: float
+    dimensions: FittedDimensions | None = None
 
     def view(self) -> View:
         """Intrinsics and pose together."""
         return View(self.intrinsics, self.source_from_guide)
+
+
+def joint_covariance(covariance: Array, dimensions: FittedDimensions) -> Array:
+    """(13, 13) of the ten parameters of `Registration.covariance` and the three dimensions."""
+    count = len(covariance)
+    whole = np.empty((count + 3, count + 3))
+    whole[:count, :count] = covariance
+    whole[count:] = dimensions.covariance
+    whole[:, count:] = dimensions.covariance.T
+    return whole

@@ -19,7 +19,7 @@ from vision.measuring import Scene
 from vision.profiles import ProfileReader
 from vision.projection import Intrinsics, View, nominal_intrinsics, project
 from vision.refusal import Refusal, RefusalCode
-from vision.registered import ImageIdentity, Method, Registration
+from vision.registered import FittedDimensions, ImageIdentity, Method, Registration
 from vision.solution import Solution, solve
 from vision.uncertainty import predicted_error
 from vision.wire_model import Wire, sample_wires
@@ -142,12 +142,14 @@ def _registration(
     if isinstance(points, Refusal):
         return points
     view, covariance = solution.fit.view, solution.fit.covariance[:VIEW_PARAMETERS, :VIEW_PARAMETERS]
+    dimensions: FittedDimensions | None = _dimensions(solution)
     residual_px = math.sqrt(float(np.average(solution.fit.residual_px**2, weights=solution.fit.weight)))
     if method is Method.PAPER:
         linear = paper.solve(points, guide)
         if isinstance(linear, Refusal):
             return linear
         view, covariance, residual_px = linear.view, linear.covariance, linear.residual_rms_px
+        dimensions = None
     return Registration(
         image=ImageIdentity(image.sha256, image.rows, image.columns),
         method=method,
@@ -163,7 +165,14 @@ def _registration(
         covariance=covariance,
         predicted_error_95=predicted_error(view, covariance, guide, points["small_centre"]),
         elapsed_ms=(time.perf_counter() - started) * 1000.0,
+        dimensions=dimensions,
     )
+
+
+def _dimensions(solution: Solution) -> FittedDimensions:
+    fit = solution.fit
+    values_mm = (fit.guide.small_ring_radius_mm, fit.guide.big_ring_radius_mm, fit.guide.separation_mm)
+    return FittedDimensions(np.array(values_mm), fit.covariance[VIEW_PARAMETERS:])
 
 
 def _ellipses(solution: Solution) -> RingPair | Refusal:

@@ -13,7 +13,14 @@ from vision.conics import Ellipse, RingPair
 from vision.device_json import carm_from_json, carm_to_json, guide_from_json, guide_to_json, sha256_from_json
 from vision.distortion import DistortionMap
 from vision.projection import Intrinsics, fiducials_in_guide
-from vision.registered import ImageIdentity, Method, PredictedError, Registration
+from vision.registered import (
+    FittedDimensions,
+    ImageIdentity,
+    Method,
+    PredictedError,
+    Registration,
+    joint_covariance,
+)
 from vision.result_json import predicted_error_to_json
 from vision.table import Table
 
@@ -49,6 +56,7 @@ def to_json(registration: Registration, path: str | None = None) -> dict[str, An
         },
         "residual_rms_px": registration.residual_rms_px,
         "covariance": registration.covariance.tolist(),
+        "dimensions": _dimensions_to_json(registration.dimensions),
         "guide": guide_to_json(registration.guide),
         "carm": carm_to_json(registration.carm),
         "predicted_error_95": predicted_error_to_json(predicted),
@@ -62,6 +70,12 @@ def _ellipse_to_json(ellipse: Ellipse) -> dict[str, Any]:
         "semi_axes": list(ellipse.semi_axes_px),
         "angle_rad": ellipse.angle_rad,
     }
+
+
+def _dimensions_to_json(dimensions: FittedDimensions | None) -> dict[str, Any] | None:
+    if dimensions is None:
+        return None
+    return {"values_mm": dimensions.values_mm.tolist(), "covariance": dimensions.covariance.tolist()}
 
 
 def from_json(data: Any) -> Registration:
@@ -92,6 +106,7 @@ def from_json(data: Any) -> Registration:
         covariance=_covariance(top),
         predicted_error_95=_predicted_error(top.table("predicted_error_95")),
         elapsed_ms=_positive(top, "elapsed_ms"),
+        dimensions=_dimensions(top),
     )
 
 
@@ -136,15 +151,28 @@ def _ellipse(table: Table) -> Ellipse:
 
 
 def _covariance(top: Table) -> Array:
-    covariance = top.numbers("covariance", 10, 10)
+    return _checked_covariance(top.numbers("covariance", 10, 10), top)
+
+
+def _checked_covariance(covariance: Array, table: Table) -> Array:
     variances = np.diag(covariance)
     if not (variances > 0.0).all():
-        raise ValueError(f"{top.where}: covariance has a variance that is not positive")
+        raise ValueError(f"{table.where}: covariance has a variance that is not positive")
     correlation = covariance / np.sqrt(np.outer(variances, variances))
     symmetric = np.abs(correlation - correlation.T).max() <= _SYMMETRIC_WITHIN
     if not symmetric or np.linalg.eigvalsh(correlation)[0] < -_SYMMETRIC_WITHIN:
-        raise ValueError(f"{top.where}: covariance is no covariance matrix")
+        raise ValueError(f"{table.where}: covariance is no covariance matrix")
     return covariance
+
+
+def _dimensions(top: Table) -> FittedDimensions | None:
+    """None where the registration does not say."""
+    if top.values.get("dimensions") is None:
+        return None
+    table = top.table("dimensions")
+    dimensions = FittedDimensions(table.numbers("values_mm", 3), table.numbers("covariance", 3, 13))
+    _checked_covariance(joint_covariance(_covariance(top), dimensions), table)
+    return dimensions
 
 
 def _predicted_error(table: Table) -> PredictedError:

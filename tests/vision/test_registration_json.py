@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from vision.devices import CArm
 from vision.distortion import DistortionMap
 from vision.projection import View
-from vision.registered import PixelSpace, Registration
+from vision.registered import FittedDimensions, PixelSpace, Registration
 from vision.registration_json import from_json, to_json
 from vision.targeting import Targeting, target
 
@@ -96,6 +96,19 @@ def test_round_trip_keeps_every_number(registration: Registration, printed: dict
     assert to_json(back, "image.png") == printed
     assert (back.guide, back.carm, back.image) == (registration.guide, registration.carm, registration.image)
     assert back.covariance.tolist() == registration.covariance.tolist()
+
+
+def test_round_trip_keeps_the_fitted_dimensions_and_refuses_impossible_ones(registration: Registration) -> None:
+    covariance = np.hstack((np.zeros((3, 10)), np.diag([4e-4, 4e-4, 9e-4])))
+    whole = replace(registration, dimensions=FittedDimensions(np.array([20.01, 29.98, 60.02]), covariance))
+    printed = json.loads(json.dumps(to_json(whole)))
+    back = from_json(printed).dimensions
+    assert back is not None
+    assert back.values_mm.tolist() == [20.01, 29.98, 60.02]
+    assert back.covariance.tolist() == covariance.tolist()
+    assert from_json(without(printed, "dimensions")).dimensions is None
+    with pytest.raises(ValueError, match="covariance"):
+        from_json(with_value(printed, ("dimensions", "covariance", 0, 10), -1.0))
 
 
 def test_round_trip_of_a_guide_without_bead_and_of_devices_that_expire(
