@@ -166,8 +166,7 @@ def _checked_covariance(covariance: Array, table: Table) -> Array:
 
 
 def _dimensions(top: Table) -> FittedDimensions | None:
-    """None where the registration does not say."""
-    if top.values.get("dimensions") is None:
+    if top.get("dimensions") is None:
         return None
     table = top.table("dimensions")
     dimensions = FittedDimensions(table.numbers("values_mm", 3), table.numbers("covariance", 3, 13))
