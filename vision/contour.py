@@ -4,7 +4,6 @@ Free are four intrinsics, the pose and the guide's three dimensions; weak priors
 the dimensions to the guide file's tolerances. Symbols and gates: docs/method.md.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,8 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from vision.devices import CArm, Guide
 from vision.distortion import PlateFit
-from vision.projection import Intrinsics, View, project
-from vision.wire_model import points_in_guide, with_dimensions
+from vision.projection import Intrinsics, View, project, projection_jacobian
+from vision.wire_model import dimension_directions, points_in_guide, with_dimensions
 
 Array = NDArray[np.float64]
 
@@ -24,8 +23,8 @@ _TUKEY = 4.685  # standard deviations beyond which an observation has no weight;
 LEAST_NOISE_PX = 0.02  # of one ridge point: interpolation and the profile's model are no better
 _UNMODELLED_PX = 0.1  # 0.02 px that map and ground leave in phase over some 30 neighbours
 _GREATEST_STEPS, _HALVINGS = 12, 6
-_SETTLED = 1e-3  # of the scales below: a hundredth of a pixel
-_DIFFERENCE = 1e-3  # the same, for derivatives
+_SETTLED = 1e-4  # squared standard deviations of the solution: a step of a hundredth of them moves nothing
+_REWEIGHTINGS = 4
 _LAGS = 12  # neighbours along a wire over which noise may be correlated
 
 
@@ -115,6 +114,15 @@ class Priors:
             "separation": (guide.separation_mm - self.guide.separation_mm) / sd.separation_sd_mm,
         }
 
+    def rows(self) -> Array:
+        """Derivative (7, 13) of the pulls by the 13 parameters: alphas and centre (px), pose, dimensions (mm)."""
+        sd, rows = self.guide.tolerance, np.zeros((7, len(_SCALES)))
+        rows[0, 0] = 1.0 / self.alpha_sd_px
+        rows[1, :2] = np.array([-1.0, 1.0]) / (SQUARE_SD * self.nominal.alpha_x_px)
+        rows[[2, 3], [2, 3]] = 1.0 / self.centre_sd_px
+        rows[[4, 5, 6], [10, 11, 12]] = 1.0 / np.array([sd.radius_sd_mm, sd.radius_sd_mm, sd.separation_sd_mm])
+        return rows
+
 
 def fit_contour(view: View, guide: Guide, observations: Observations, priors: Priors, plate: PlateFit) -> ContourFit:
     """Solve for the view.
@@ -137,7 +145,7 @@ def fit_contour(view: View, guide: Guide, observations: Observations, priors: Pr
     """
     weight = np.ones(len(observations.along))
     noise_px, correlation = 0.3, 1.0
-    for _ in range(4):
+    for _ in range(_REWEIGHTINGS):
         # correlated points are worth fewer: with all of them counted in full the priors would be overruled
         view, guide = solve_view(view, guide, observations, priors, weight, _worth_px(noise_px, correlation))
         residual = residual_px(view, guide, observations)
@@ -158,31 +166,46 @@ def solve_view(
 ) -> tuple[View, Guide]:
     """One least-squares solution with given weights (n,) and noise of the ridge points, px.
 
-    Gauss-Newton, a step halved while it makes things worse: near the solution the projection is almost linear, and
-    every derivative costs a projection of all points.
+    Gauss-Newton, a step halved while it makes things worse: near the solution the projection is almost linear.
     """
 
-    def residual(step: Array) -> Array:
-        return _weighted(*_moved(view, guide, step * _SCALES), observations, priors, weight, noise_px)
+    def weighted(view: View, guide: Guide) -> Array:
+        return _weighted(view, guide, observations, priors, weight, noise_px)
 
-    step, left = np.zeros(len(_SCALES)), residual(np.zeros(len(_SCALES)))
+    left = weighted(view, guide)
     for _ in range(_GREATEST_STEPS):
-        move = np.asarray(np.linalg.lstsq(_derivative(residual, step, left), -left, rcond=None)[0], dtype=np.float64)
+        design = _design(view, guide, observations, priors, weight, noise_px) * _SCALES
+        downhill = -design.T @ left
+        move = np.linalg.solve(design.T @ design, downhill)
         for _ in range(_HALVINGS):
-            ahead = residual(step + move)
-            if ahead @ ahead <= left @ left:
-                step, left = step + move, ahead
+            ahead = _moved(view, guide, move * _SCALES)
+            left_ahead = weighted(*ahead)
+            if left_ahead @ left_ahead <= left @ left:
+                (view, guide), left = ahead, left_ahead
                 break
             move = move / 2.0
-        if np.abs(move).max() < _SETTLED:
+        if move @ downhill < _SETTLED:
             break
-    return _moved(view, guide, step * _SCALES)
+    return view, guide
 
 
-def _derivative(residual: Callable[[Array], Array], step: Array, here: Array) -> Array:
-    """Derivative (n, 13) of a residual (n,) by forward differences; `here` is its value at `step`."""
-    ways = np.eye(len(step)) * _DIFFERENCE
-    return np.column_stack([(residual(step + way) - here) / _DIFFERENCE for way in ways])
+def _design(
+    view: View, guide: Guide, observations: Observations, priors: Priors, weight: Array, noise_px: float
+) -> Array:
+    """Derivative of `_weighted` by the 13 parameters."""
+    points = points_in_guide(guide, observations.wire, observations.along)
+    by_view = projection_jacobian(view, points, observations.normals)
+    by_place_in_guide = by_view[:, 7:] @ view.source_from_guide[:3, :3]
+    directions = dimension_directions(observations.wire, observations.along)
+    by_dimension = (by_place_in_guide[:, :, None] * directions).sum(axis=1)
+    extra = projection_jacobian(view, observations.extra_in_guide, observations.extra_normals)
+    return np.vstack(
+        (
+            np.hstack((by_view, by_dimension)) * (-np.sqrt(weight) / noise_px)[:, None],
+            np.hstack((extra / -observations.extra_sd_px[:, None], np.zeros((len(extra), 3)))),
+            priors.rows(),
+        )
+    )
 
 
 # Steps of about equal effect on the image: px, rad, mm; then the guide's radii and separation, mm.
@@ -259,12 +282,7 @@ def _covariance(
 ) -> Array:
     """(13, 13): noise with its correlation, priors, and the distortion map's error, which all points share."""
     noise_px = _worth_px(noise_px, correlation)
-
-    def residual(step: Array) -> Array:
-        return _weighted(*_moved(view, guide, step * _SCALES), observations, priors, weight, noise_px)
-
-    here = np.zeros(len(_SCALES))
-    jacobian = _derivative(residual, here, residual(here)) / _SCALES
+    jacobian = _design(view, guide, observations, priors, weight, noise_px)
     inverse = np.linalg.inv(jacobian.T @ jacobian)
     count = len(observations.along)
     gain = inverse @ (jacobian[:count] * (np.sqrt(weight) / noise_px)[:, None]).T

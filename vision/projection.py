@@ -70,6 +70,35 @@ def project(view: View, points_in_guide: Array) -> Array:
     return np.column_stack((u, v))
 
 
+def projection_jacobian(view: View, points_in_guide: Array, directions: Array) -> Array:
+    """Derivative of `project` by the view, along one direction of the image for each point.
+
+    Parameters
+    ----------
+    view : View
+        Where.
+    points_in_guide : Array
+        (n, 3), mm.
+    directions : Array
+        (n, 2), unit length, in corrected pixels.
+
+    Returns
+    -------
+    Array
+        (n, 10): corrected pixels along the directions, by alpha_x, alpha_y, u0, v0 (px), a small rotation vector (rad)
+        and a translation (mm), both in the source frame and applied on the left.
+    """
+    intrinsics = view.intrinsics
+    turned = points_in_guide @ view.source_from_guide[:3, :3].T
+    plane = turned + view.source_from_guide[:3, 3]
+    depth_mm = plane[:, 2:]
+    plane = plane[:, :2] / depth_mm
+    across = directions * (intrinsics.alpha_x_px, intrinsics.alpha_y_px) / depth_mm
+    by_place = np.column_stack((across, -(across * plane).sum(axis=1)))
+    # b . (w x p) = w . (p x b)
+    return np.hstack((directions * plane, directions, np.cross(turned, by_place), by_place))
+
+
 def ring_conic(view: View, radius_mm: float, z_mm: float) -> Array:
     """Image of a circle about the guide's axis.
 

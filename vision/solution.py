@@ -11,7 +11,7 @@ from vision.contour import VIEW_PARAMETERS, ContourFit, Observations, fit_contou
 from vision.first_pose import FirstView
 from vision.line_ends import LineEnd, measure_line_ends
 from vision.measuring import FAINTEST, Measured, Scene, bead_sd_px, measure
-from vision.projection import project
+from vision.projection import project, projection_jacobian
 from vision.refusal import Refusal
 from vision.wire_model import sample_wires
 
@@ -120,16 +120,5 @@ def _bead(last: _Round, scene: Scene) -> BeadEvidence | Refusal | None:
 
 def _prediction_covariance(fit: ContourFit, place: Array) -> Array:
     """Covariance (2, 2), px^2, of a guide point's projection by the fit's ten view parameters."""
-    intrinsics, pose = fit.view.intrinsics, fit.view.source_from_guide
-    turned = pose[:3, :3] @ place
-    x, y, z = turned + pose[:3, 3]
-    by_point = np.array(
-        [
-            [intrinsics.alpha_x_px / z, 0.0, -intrinsics.alpha_x_px * x / z**2],
-            [0.0, intrinsics.alpha_y_px / z, -intrinsics.alpha_y_px * y / z**2],
-        ]
-    )
-    cross = np.array([[0.0, turned[2], -turned[1]], [-turned[2], 0.0, turned[0]], [turned[1], -turned[0], 0.0]])
-    by_intrinsics = np.array([[x / z, 0.0, 1.0, 0.0], [0.0, y / z, 0.0, 1.0]])
-    jacobian = np.hstack((by_intrinsics, by_point @ cross, by_point))
+    jacobian = projection_jacobian(fit.view, np.tile(place, (2, 1)), np.eye(2))
     return np.asarray(jacobian @ fit.covariance[:VIEW_PARAMETERS, :VIEW_PARAMETERS] @ jacobian.T)

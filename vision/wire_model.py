@@ -65,6 +65,16 @@ def points_in_guide(guide: Guide, wire: NDArray[np.intp], along: Array) -> Array
     return np.column_stack((x, y, np.where(wire == Wire.BIG_RING, -guide.separation_mm, 0.0)))
 
 
+def dimension_directions(wire: NDArray[np.intp], along: Array) -> Array:
+    """How centre-line points move with small radius, big radius and separation: (n, 3, 3), guide axes by dimension."""
+    outwards = np.column_stack((np.cos(along), np.sin(along)))
+    moves = np.zeros((len(along), 3, 3))
+    for dimension, ring in enumerate((Wire.SMALL_RING, Wire.BIG_RING)):
+        moves[:, :2, dimension] = np.where((wire == ring)[:, None], outwards, 0.0)
+    moves[wire == Wire.BIG_RING, 2, 2] = -1.0
+    return moves
+
+
 def sample_wires(view: View, guide: Guide) -> WireSamples:
     """Samples of all three wires, about one corrected pixel apart."""
     depth_mm = float(view.source_from_guide[2, 3])

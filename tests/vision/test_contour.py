@@ -8,6 +8,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from vision import contour
 from vision.contour import ContourFit, Observations, Priors, fit_contour
 from vision.devices import CArm, Guide
 from vision.distortion import DistortionMap, exact
@@ -159,3 +160,25 @@ def test_priors_tell_each_quantity_in_its_own_deviations(priors: Priors, guide: 
         "separation": -1.0,
     }
     assert pulls == pytest.approx(expected, abs=1e-6)
+
+
+def test_the_design_is_the_derivative_of_the_residuals(
+    make_view: Callable[..., View], guide: Guide, priors: Priors
+) -> None:
+    view = make_view(25.0, 70.0, 130.0, PLACE_MM)
+    points = replace(
+        observed(view, guide, 0.3, 8),
+        extra_in_guide=np.array([[0.0, 45.0, -30.0], [66.0, 0.0, 0.0]]),
+        extra_measured=np.array([[500.0, 610.0], [420.0, 333.0]]),
+        extra_normals=np.array([[1.0, 0.0], [0.6, 0.8]]),
+        extra_sd_px=np.array([0.2, 0.6]),
+    )
+    weight = np.random.default_rng(9).uniform(0.0, 1.0, len(points.along))
+
+    def residual(step: Array) -> Array:
+        return contour._weighted(*contour._moved(view, guide, step), points, priors, weight, 0.1)
+
+    steps = 1e-3 * np.diag(contour._SCALES)
+    numeric = np.column_stack([(residual(step) - residual(-step)) / (2.0 * step.max()) for step in steps])
+    design = contour._design(view, guide, points, priors, weight, 0.1)
+    assert np.abs(design - numeric).max(axis=0) == pytest.approx(0.0, abs=1e-6 * np.abs(numeric).max())
