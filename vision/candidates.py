@@ -1,10 +1,11 @@
 """Where in the image the guide may be: pairs of rings with a line, the best supported first."""
 
+from dataclasses import dataclass
 from itertools import islice
 
 from vision.contour import Priors
 from vision.corrected_image import CorrectedImage
-from vision.detection import AxisRange, ring_candidates
+from vision.detection import AxisRange, RingCandidate, ring_candidates
 from vision.devices import CArm, Guide
 from vision.first_pose import FirstView, consistent_pairs, first_views
 from vision.profiles import ProfileReader
@@ -18,6 +19,14 @@ _MOST_PAIRS = 30  # laid onto their ellipses; variants of a conspicuous circle c
 _MOST_VIEWS = 6  # refined in full
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidates:
+    """Rings found in the image, and the first views made of them or why there are none."""
+
+    rings: list[RingCandidate]
+    views: list[FirstView] | Refusal
+
+
 def wire_width_px(guide: Guide, carm: CArm, nominal: Intrinsics) -> float:
     """Width of a wire's shadow half-way of the plausible distances, px; widths differ by a third at most."""
     depth_mm = carm.source_to_image_mm * (_NEAREST_SHARE + _FARTHEST_SHARE) / 2.0
@@ -26,7 +35,7 @@ def wire_width_px(guide: Guide, carm: CArm, nominal: Intrinsics) -> float:
 
 def find_candidates(
     image: CorrectedImage, guide: Guide, carm: CArm, priors: Priors, reader: ProfileReader, triples: int
-) -> list[FirstView] | Refusal:
+) -> Candidates:
     """First views worth refining.
 
     Parameters
@@ -42,8 +51,9 @@ def find_candidates(
 
     Returns
     -------
-    list[FirstView] or Refusal
-        At least one; `no_guide_found` where no ring is seen, `ring_missing` where no two belong together.
+    Candidates
+        At least one view, or a refusal: `no_guide_found` where no ring is seen, `ring_missing` where no two belong
+        together.
     """
     nominal = priors.nominal
     ridge = ridge_points(image.absorption, image.plate.map, wire_width_px(guide, carm, nominal), image.balls_raw)
@@ -52,14 +62,20 @@ def find_candidates(
         least_px=per_mm * guide.small_ring_radius_mm / _FARTHEST_SHARE,
         greatest_px=per_mm * guide.big_ring_radius_mm / _NEAREST_SHARE,
     )
-    candidates = ring_candidates(ridge, axes, triples)
-    if not candidates:
+    rings = ring_candidates(ridge, axes, triples)
+    return Candidates(rings, _views(rings, image, guide, priors, reader))
+
+
+def _views(
+    rings: list[RingCandidate], image: CorrectedImage, guide: Guide, priors: Priors, reader: ProfileReader
+) -> list[FirstView] | Refusal:
+    if not rings:
         return Refusal(RefusalCode.NO_GUIDE_FOUND, "rings of the guide's size found", 0, 2)
-    pairs = consistent_pairs(candidates, guide, nominal)[:_MOST_PAIRS]
+    pairs = consistent_pairs(rings, guide, priors.nominal)[:_MOST_PAIRS]
     if not pairs:
         message = "no two of the rings found belong to one guide: consistent pairs"
         return Refusal(RefusalCode.RING_MISSING, message, 0, 1)
-    laid = (aligned(view, rings, guide, priors) for view, rings in pairs)
+    laid = (aligned(view, pair, guide, priors) for view, pair in pairs)
     upright = list(islice((view for view in laid if view is not None), _MOST_VIEWS))
     firsts = [first for view in upright for first in first_views(view, guide, image, reader)]
     if not firsts:

@@ -127,6 +127,15 @@ class DistortionMap:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class FittedBalls:
+    """Balls that a map was fitted to: raw (n, 2), their places on the corrected grid (n, 2), which were kept (n,)."""
+
+    raw: Array
+    corrected: Array
+    kept: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class PlateFit:
     """A map, its uncertainty, and where the plate has balls.
 
@@ -136,11 +145,14 @@ class PlateFit:
         (m, m), px^2, the same for u and v.
     sites : Array
         (k, 2), raw pixels of all places of the lattice in the image, balls seen or not.
+    balls : FittedBalls
+        Those seen.
     """
 
     map: DistortionMap
     coefficient_covariance: Array
     sites: Array
+    balls: FittedBalls
 
     def covariance_of(self, points: Array) -> Array:
         """Covariance (n, n), px^2, of one coordinate of the corrected pixels at raw pixels (n, 2)."""
@@ -151,7 +163,8 @@ class PlateFit:
 def exact(distortion: DistortionMap) -> PlateFit:
     """A map that is known, not fitted."""
     terms = _term_count(distortion.degree)
-    return PlateFit(distortion, np.zeros((terms, terms)), np.zeros((0, 2)))
+    none = np.zeros((0, 2))
+    return PlateFit(distortion, np.zeros((terms, terms)), none, FittedBalls(none, none, np.zeros(0, dtype=bool)))
 
 
 def fit(raw: Array, lattice: Array, rows: int, columns: int, spacing_mm: float) -> PlateFit:
@@ -190,7 +203,8 @@ def fit(raw: Array, lattice: Array, rows: int, columns: int, spacing_mm: float) 
     pixel_size_mm = spacing_mm / spacing_px
     fitted = DistortionMap(centre, half_size_px, degree, coefficients, int(kept.sum()), rms_px, pixel_size_mm)
     sites = _invertible(fitted, _places_in(lattice, corrected, rows, columns))
-    return PlateFit(fitted, np.asarray(variance * np.linalg.inv(terms.T @ terms), dtype=np.float64), sites)
+    covariance = np.asarray(variance * np.linalg.inv(terms.T @ terms), dtype=np.float64)
+    return PlateFit(fitted, covariance, sites, FittedBalls(raw, corrected, kept))
 
 
 def _invertible(distortion: DistortionMap, corrected: Array) -> Array:

@@ -7,30 +7,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision import gates, paper
-from vision.candidates import find_candidates, wire_width_px
+from vision.candidates import wire_width_px
 from vision.conics import Ellipse, RingPair, fiducials, fit_ellipse
 from vision.contour import VIEW_PARAMETERS, Priors
-from vision.corrected_image import CorrectedImage, correct
-from vision.detection import QUICK_TRIPLES, THOROUGH_TRIPLES
+from vision.corrected_image import correct
 from vision.devices import CArm, Guide
 from vision.distortion import DistortionMap
-from vision.first_pose import FirstView
+from vision.findings import Findings
 from vision.measuring import Scene
 from vision.profiles import ProfileReader
 from vision.projection import Intrinsics, View, nominal_intrinsics, project
 from vision.refusal import Refusal, RefusalCode
 from vision.registered import FittedDimensions, ImageIdentity, Method, Registration
-from vision.solution import Solution, solve
+from vision.search import search
+from vision.solution import Solution
 from vision.uncertainty import predicted_error
-from vision.wire_model import Wire, sample_wires
+from vision.wire_model import Wire
 from vision.xray import XrayImage
 
 Array = NDArray[np.float64]
-
-_LEAST_LINE_CONTRAST = 0.4  # of the rings' own
-_FINAL = frozenset({RefusalCode.MIRRORED, RefusalCode.AMBIGUOUS})  # looking harder changes nothing about these
-_SAME_WITHIN_MM = 1.0  # refits of one guide agree far better, two guides cannot be so near
-_SAME_WITHIN_RAD = math.radians(3.0)
 
 
 def register(
@@ -59,70 +54,36 @@ def register(
     Registration or Refusal
         The code says which step or gate refused; never a doubtful pose.
     """
+    return examine(image, guide, carm, method, handedness_proved=handedness_proved).result
+
+
+def examine(
+    image: XrayImage,
+    guide: Guide,
+    carm: CArm,
+    method: Method = Method.CONTOUR,
+    *,
+    handedness_proved: bool = False,
+) -> Findings:
+    """As `register`, with what was found on the way to the registration or to the refusal."""
     started = time.perf_counter()
     if guide.bead is None and not handedness_proved:
         message = "the guide has no bead: handedness must be proved once per C-arm connection by two images"
-        return Refusal(RefusalCode.HANDEDNESS_UNPROVED, message)
+        return Findings(Refusal(RefusalCode.HANDEDNESS_UNPROVED, message))
     corrected = correct(image, carm)
     if isinstance(corrected, Refusal):
-        return corrected
+        return Findings(corrected)
     nominal = nominal_intrinsics(carm, image.rows, image.columns, corrected.plate.map.pixel_size_mm)
     reader = ProfileReader(corrected.absorption, corrected.plate.map, wire_width_px(guide, carm, nominal))
     priors = Priors.of(carm, guide, nominal)
     scene = Scene(guide, priors, corrected.plate, reader, corrected.balls_corrected)
-    solution = _searched(corrected, scene, carm)
-    if isinstance(solution, Refusal):
-        return solution
-    registration = _registration(solution, image, guide, carm, corrected.plate.map, nominal, method, started)
-    if isinstance(registration, Refusal):
-        return registration
-    return gates.check_predicted(registration.predicted_error_95) or registration
-
-
-def _searched(image: CorrectedImage, scene: Scene, carm: CArm) -> Solution | Refusal:
-    """The solution of a quick search; where that finds none, of a thorough one."""
-    solution = _search(image, scene, carm, QUICK_TRIPLES)
-    if isinstance(solution, Refusal) and solution.code not in _FINAL:
-        return _search(image, scene, carm, THOROUGH_TRIPLES)
-    return solution
-
-
-def _search(image: CorrectedImage, scene: Scene, carm: CArm, triples: int) -> Solution | Refusal:
-    candidates = find_candidates(image, scene.guide, carm, scene.priors, scene.reader, triples)
-    return candidates if isinstance(candidates, Refusal) else _only_solution(candidates, scene, image)
-
-
-def _only_solution(candidates: list[FirstView], scene: Scene, image: CorrectedImage) -> Solution | Refusal:
-    """The one view that passes; the best supported view's refusal where none does, `ambiguous` where two do."""
-    refusals: list[Refusal] = []
-    solutions: list[Solution] = []
-    for first in candidates:
-        result = _judged_first(first, scene.guide, image) or solve(first, scene)
-        if isinstance(result, Refusal):
-            refusals.append(result)
-        elif not any(_same(result, other) for other in solutions):
-            solutions.append(result)
-    if len(solutions) > 1:
-        return Refusal(RefusalCode.AMBIGUOUS, "guides seen in the image", len(solutions), 1)
-    return solutions[0] if solutions else refusals[0]
-
-
-def _judged_first(first: FirstView, guide: Guide, image: CorrectedImage) -> Refusal | None:
-    """What makes refining a first view pointless."""
-    share = image.share_inside(sample_wires(first.view, guide).points)
-    if share < 1.0:
-        return Refusal(RefusalCode.GUIDE_CUT_OFF, "share of the guide's wires inside the field", share, 1.0)
-    if first.line_contrast < _LEAST_LINE_CONTRAST:
-        message = "contrast of the indicator line against the rings'"
-        return Refusal(RefusalCode.LINE_MISSING, message, first.line_contrast, _LEAST_LINE_CONTRAST)
-    return None
-
-
-def _same(one: Solution, other: Solution) -> bool:
-    """The same place and the same turn about the axis."""
-    a, b = one.fit.view.source_from_guide, other.fit.view.source_from_guide
-    near = float(np.linalg.norm(a[:3, 3] - b[:3, 3])) < _SAME_WITHIN_MM
-    return near and float(a[:3, 0] @ b[:3, 0]) > math.cos(_SAME_WITHIN_RAD)
+    found = search(corrected, scene, carm)
+    if isinstance(found.outcome, Refusal):
+        return Findings(found.outcome, corrected, found)
+    result = _registration(found.outcome, image, guide, carm, corrected.plate.map, nominal, method, started)
+    if isinstance(result, Registration):
+        result = gates.check_predicted(result.predicted_error_95) or result
+    return Findings(result, corrected, found)
 
 
 def _registration(

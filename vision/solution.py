@@ -31,7 +31,7 @@ class Solution:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Round:
+class Round:
     """A fit and what it was fitted to."""
 
     fit: ContourFit
@@ -39,7 +39,16 @@ class _Round:
     line_ends: list[LineEnd]
 
 
-def solve(first: FirstView, scene: Scene) -> Solution | Refusal:
+@dataclass(frozen=True, slots=True, eq=False)
+class Attempt:
+    """What became of a first view: the last round without bead, where it came to one, and the verdict."""
+
+    first: FirstView
+    last: Round | None
+    outcome: Solution | Refusal
+
+
+def solve(first: FirstView, scene: Scene) -> Attempt:
     """Refine a first view and judge it.
 
     Parameters
@@ -51,15 +60,17 @@ def solve(first: FirstView, scene: Scene) -> Solution | Refusal:
 
     Returns
     -------
-    Solution or Refusal
-        The first gate that says no.
+    Attempt
+        Refused by the first gate that says no.
     """
     last = _refined(first, scene)
     if isinstance(last, Refusal):
-        return last
-    refusal = _judged_before_bead(last)
-    if refusal is not None:
-        return refusal
+        return Attempt(first, None, last)
+    return Attempt(first, last, _judged_before_bead(last) or _with_bead(last, scene))
+
+
+def _with_bead(last: Round, scene: Scene) -> Solution | Refusal:
+    """The bead's verdict, and the final fit with its centre."""
     bead = _bead(last, scene)
     if isinstance(bead, Refusal):
         return bead
@@ -71,11 +82,11 @@ def solve(first: FirstView, scene: Scene) -> Solution | Refusal:
     return refusal or Solution(fit, measured.observations, last.line_ends, bead)
 
 
-def _refined(first: FirstView, scene: Scene) -> _Round | Refusal:
+def _refined(first: FirstView, scene: Scene) -> Round | Refusal:
     """Rings, line and the line's ends, measured anew around each fit."""
     view, guide = first.view, scene.guide
     ends: list[LineEnd] = []
-    last: _Round | None = None
+    last: Round | None = None
     for _ in range(_ROUNDS):
         measured = measure(view, guide, scene, ends, None)
         if isinstance(measured, Refusal):
@@ -83,13 +94,13 @@ def _refined(first: FirstView, scene: Scene) -> _Round | Refusal:
         fit = fit_contour(view, guide, measured.observations, scene.priors, scene.plate)
         view, guide = fit.view, fit.guide
         ends = measure_line_ends(view, guide, scene.reader, sample_wires(view, guide), scene.balls)
-        last = _Round(fit, measured, ends)
+        last = Round(fit, measured, ends)
     if last is None:
         raise ValueError("a solution takes at least one round")
     return last
 
 
-def _judged_before_bead(last: _Round) -> Refusal | None:
+def _judged_before_bead(last: Round) -> Refusal | None:
     fit, measured = last.fit, last.measured
     return (
         gates.check_coverage(fit, measured.observations, measured.places)
@@ -101,7 +112,7 @@ def _judged_before_bead(last: _Round) -> Refusal | None:
     )
 
 
-def _bead(last: _Round, scene: Scene) -> BeadEvidence | Refusal | None:
+def _bead(last: Round, scene: Scene) -> BeadEvidence | Refusal | None:
     """Handedness, and the bead's distance from its prediction in standard deviations."""
     guide, fit = scene.guide, last.fit
     if guide.bead is None:

@@ -1,0 +1,83 @@
+"""The guide in a corrected image: candidates, each refined and judged, and the only one that passes."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from vision.candidates import Candidates, find_candidates
+from vision.corrected_image import CorrectedImage
+from vision.detection import QUICK_TRIPLES, THOROUGH_TRIPLES
+from vision.devices import CArm, Guide
+from vision.first_pose import FirstView
+from vision.measuring import Scene
+from vision.refusal import Refusal, RefusalCode
+from vision.solution import Attempt, Solution, solve
+from vision.wire_model import sample_wires
+
+_LEAST_LINE_CONTRAST = 0.4  # of the rings' own
+_FINAL = frozenset({RefusalCode.MIRRORED, RefusalCode.AMBIGUOUS})  # looking harder changes nothing about these
+_SAME_WITHIN_MM = 1.0  # refits of one guide agree far better, two guides cannot be so near
+_SAME_WITHIN_RAD = math.radians(3.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Search:
+    """One search through an image: rings, the views that were tried, and the one that passed or why none did."""
+
+    candidates: Candidates
+    attempts: list[Attempt]
+    outcome: Solution | Refusal
+
+
+def search(image: CorrectedImage, scene: Scene, carm: CArm) -> Search:
+    """A quick search; where that finds no solution, a thorough one."""
+    quick = _search(image, scene, carm, QUICK_TRIPLES)
+    if isinstance(quick.outcome, Refusal) and quick.outcome.code not in _FINAL:
+        return _search(image, scene, carm, THOROUGH_TRIPLES)
+    return quick
+
+
+def _search(image: CorrectedImage, scene: Scene, carm: CArm, triples: int) -> Search:
+    candidates = find_candidates(image, scene.guide, carm, scene.priors, scene.reader, triples)
+    if isinstance(candidates.views, Refusal):
+        return Search(candidates, [], candidates.views)
+    attempts = [_attempt(first, scene, image) for first in candidates.views]
+    return Search(candidates, attempts, _only_solution(attempts))
+
+
+def _attempt(first: FirstView, scene: Scene, image: CorrectedImage) -> Attempt:
+    refusal = _judged_first(first, scene.guide, image)
+    return solve(first, scene) if refusal is None else Attempt(first, None, refusal)
+
+
+def _only_solution(attempts: list[Attempt]) -> Solution | Refusal:
+    """The one view that passed; the best supported view's refusal where none did, `ambiguous` where two did."""
+    refusals: list[Refusal] = []
+    solutions: list[Solution] = []
+    for attempt in attempts:
+        if isinstance(attempt.outcome, Refusal):
+            refusals.append(attempt.outcome)
+        elif not any(_same(attempt.outcome, other) for other in solutions):
+            solutions.append(attempt.outcome)
+    if len(solutions) > 1:
+        return Refusal(RefusalCode.AMBIGUOUS, "guides seen in the image", len(solutions), 1)
+    return solutions[0] if solutions else refusals[0]
+
+
+def _judged_first(first: FirstView, guide: Guide, image: CorrectedImage) -> Refusal | None:
+    """What makes refining a first view pointless."""
+    share = image.share_inside(sample_wires(first.view, guide).points)
+    if share < 1.0:
+        return Refusal(RefusalCode.GUIDE_CUT_OFF, "share of the guide's wires inside the field", share, 1.0)
+    if first.line_contrast < _LEAST_LINE_CONTRAST:
+        message = "contrast of the indicator line against the rings'"
+        return Refusal(RefusalCode.LINE_MISSING, message, first.line_contrast, _LEAST_LINE_CONTRAST)
+    return None
+
+
+def _same(one: Solution, other: Solution) -> bool:
+    """The same place and the same turn about the axis."""
+    a, b = one.fit.view.source_from_guide, other.fit.view.source_from_guide
+    near = float(np.linalg.norm(a[:3, 3] - b[:3, 3])) < _SAME_WITHIN_MM
+    return near and float(a[:3, 0] @ b[:3, 0]) > math.cos(_SAME_WITHIN_RAD)
