@@ -8,7 +8,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests samples scenes format docs lock
+.PHONY: help demo run test check tests samples scenes faulted format docs lock
 
 help:  ## this list
 	@grep -hE '^[a-z]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -42,6 +42,10 @@ samples: $(VENV)/.runtime  ## register, flip and turn the images of SAMPLES=fold
 
 scenes: $(VENV)/.runtime  ## register random rendered scenes against their truth; COUNT=12 of each group
 	$(BIN)/python benchmarks/scenes.py --count $(or $(COUNT),12)
+
+faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong each, PROCESSES=2; results kept in FOLDER
+	$(BIN)/python benchmarks/faulted.py --count $(or $(COUNT),1000) --processes $(or $(PROCESSES),2) \
+	  --folder $(or $(FOLDER),$(VENV)/faulted)
 
 format: $(VENV)/.test  ## write the house format
 	$(BIN)/ruff format --quiet .

@@ -1,6 +1,7 @@
 """A patient lying prone: lumbar spine, soft tissue, table, and the pedicles with the paths planned through them."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,7 @@ class Patient:
     pedicles: dict[str, Pedicle]
 
 
+@lru_cache(maxsize=32)
 def build_patient(seed: int) -> Patient:
     """A patient; the seed draws bowel gas and texture, not the spine."""
     bone = tuple(solid for level in LEVELS for solid in vertebra(level)) + _pelvis()

@@ -36,8 +36,8 @@ _MADE_SD_MM = 0.02
 _FROM_ABOVE = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # source_from_patient, detector behind
 
 
-def random_scene(seed: int, group: str = "ii") -> Scene:
-    """A scene of one of the groups of the sample images; the same seed gives the same scene."""
+def random_scene(seed: int, group: str = "ii", patient_seed: int | None = None) -> Scene:
+    """A scene of one of the groups of the sample images; the same seeds give the same scene."""
     rng, kind = np.random.default_rng(seed), Group(group)
     camera = _camera(rng)
     flat = kind is Group.FLAT
@@ -48,7 +48,7 @@ def random_scene(seed: int, group: str = "ii") -> Scene:
         distortion=NO_DISTORTION if flat else draw_distortion(rng, 1.35 if kind is Group.STRONG else 1.0),
         plate=None if flat else draw_plate(rng),
         intensifier=not flat,
-        body=build_patient(seed).body,
+        body=build_patient(seed if patient_seed is None else patient_seed).body,
         source_from_patient=_patient_pose(rng),
         exposure=_exposure(rng),
         name=f"{kind}-{seed}",

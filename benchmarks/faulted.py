@@ -1,0 +1,189 @@
+"""Registers scenes with one thing wrong each and counts what was accepted and wrong: beyond 0.5 deg or 1.0 mm.
+
+    python benchmarks/faulted.py --folder FOLDER [--count N] [--processes P] [--faults NAME ...]
+
+Scenes are drawn by fault and seed; N counts them over all faults, in turn, `nothing` included. Every result is a line
+of FOLDER/results.jsonl; a run goes on where the last one ended. The figures, with 95 % bounds by Clopper and Pearson,
+are printed and written to FOLDER/summary.json. Exit status 1 where any accepted result is wrong.
+"""
+
+import argparse
+import json
+import math
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+from samples import Sample, Score, scored
+from scipy.stats import binomtest
+
+from simulator.carm.faulted import Fault, faulted_scene
+from simulator.carm.quick_render import render_quickly
+from vision.devices import read_carm, read_guide
+from vision.refusal import Refusal
+
+WRONG_DEG, WRONG_MM = 0.5, 1.0
+REGISTERED = "registered"
+_DEVICES = Path(__file__).parents[1] / "simulator" / "devices"
+_GUIDE = read_guide((_DEVICES / "guide.toml").read_bytes())
+_INTENSIFIER = read_carm((_DEVICES / "carm-intensifier.toml").read_bytes())
+_FLAT_PANEL = read_carm((_DEVICES / "carm-flat-panel.toml").read_bytes())
+
+
+@dataclass(frozen=True)
+class Result:
+    """What became of one scene; errors and bounds of a registered one, the reason of a refused one."""
+
+    fault: Fault
+    seed: int
+    group: str
+    code: str
+    wrong: bool = False
+    angle_deg: float | None = None
+    position_mm: float | None = None
+    bound_deg: float | None = None
+    bound_mm: float | None = None
+    reason: str | None = None
+    cpu_s: float | None = None
+
+
+def result(fault: Fault, seed: int) -> Result:
+    """Render, register and target one scene."""
+    started_s = time.process_time()
+    drawn = faulted_scene(fault, seed)
+    image = render_quickly(drawn.scene, seed)
+    pixels = image.pixels if drawn.flip is None else drawn.flip(image.pixels)
+    carm = _INTENSIFIER if drawn.intensifier_file else _FLAT_PANEL
+    score = scored(Sample(f"{fault}:{seed}", pixels, image.truth, _GUIDE, carm), 0)
+    cpu_s = round(time.process_time() - started_s, 3)
+    if isinstance(score, Refusal):
+        reason = f"{score.message} ({score.measured}, limit {score.limit})"
+        return Result(fault, seed, drawn.scene.group, score.code, reason=reason, cpu_s=cpu_s)
+    wrong = drawn.flip is not None or score.angle_deg > WRONG_DEG or score.position_mm > WRONG_MM
+    return Result(fault, seed, drawn.scene.group, REGISTERED, wrong, *_figures(score), cpu_s=cpu_s)
+
+
+def _figures(score: Score) -> tuple[float, float, float, float]:
+    bound = score.bound
+    return score.angle_deg, score.position_mm, math.degrees(bound.angle_rad), bound.position_mm
+
+
+def scenes(count: int, faults: Sequence[Fault]) -> Iterator[tuple[Fault, int]]:
+    """Faults in turn, each with seeds from 0."""
+    for index in range(count):
+        yield faults[index % len(faults)], index // len(faults)
+
+
+def kept(path: Path) -> list[Result]:
+    """Results of earlier runs; a last line that was cut off is left out."""
+    if not path.exists():
+        return []
+    lines = path.read_text().splitlines(keepends=True)
+    return [Result(**_typed(json.loads(line))) for line in lines if line.endswith("\n")]
+
+
+def _typed(fields: dict[str, Any]) -> dict[str, Any]:
+    return fields | {"fault": Fault(str(fields["fault"]))}
+
+
+def run(todo: Sequence[tuple[Fault, int]], path: Path, processes: int) -> list[Result]:
+    """Results of scenes, each written as it comes."""
+    if not todo:
+        return []
+    started_s, results = time.monotonic(), []
+    with ProcessPoolExecutor(processes, initializer=cv2.setNumThreads, initargs=(1,)) as pool, path.open("a") as file:
+        for done in pool.map(result, *zip(*todo, strict=True), chunksize=8):
+            results.append(done)
+            print(json.dumps(asdict(done)), file=file, flush=True)
+            left_s = (time.monotonic() - started_s) / len(results) * (len(todo) - len(results))
+            print(
+                f"\r{len(results)} of {len(todo)}, {left_s / 60.0:.0f} min left ", end="", file=sys.stderr, flush=True
+            )
+    print(file=sys.stderr)
+    return results
+
+
+def summary(results: Sequence[Result]) -> dict[str, dict[str, Any]]:
+    """Counts and bounds by fault, and of all faults together."""
+    groups: dict[str, list[Result]] = {fault: [one for one in results if one.fault is fault] for fault in Fault}
+    groups["all but nothing"] = [one for one in results if one.fault is not Fault.NOTHING]
+    return {name: _counts(group) for name, group in groups.items() if group}
+
+
+def _counts(group: Sequence[Result]) -> dict[str, Any]:
+    registered = [one for one in group if one.code == REGISTERED]
+    wrong = sum(one.wrong for one in group)
+    return {
+        "scenes": len(group),
+        "first_seed": min(one.seed for one in group),
+        "last_seed": max(one.seed for one in group),
+        "wrong": wrong,
+        "wrong_share_95": _bounds(wrong, len(group)),
+        "registered": len(registered),
+        "registered_share_95": _bounds(len(registered), len(group)),
+        "worst_deg": max((one.angle_deg or 0.0 for one in registered), default=None),
+        "worst_mm": max((one.position_mm or 0.0 for one in registered), default=None),
+        "refusals": dict(Counter(one.code for one in group if one.code != REGISTERED).most_common()),
+    }
+
+
+def _bounds(count: int, scenes_: int) -> tuple[float, float]:
+    """Share with 95 % confidence, Clopper and Pearson."""
+    interval = binomtest(count, scenes_).proportion_ci(0.95, method="exact")
+    return float(interval.low), float(interval.high)
+
+
+def table(figures: dict[str, dict[str, Any]]) -> Iterator[str]:
+    """Lines to print."""
+    widths = (18, 7, 6, 16, 11, 19, 16)
+    heads = ("fault", "scenes", "wrong", "95 %", "registered", "95 %", "worst deg, mm")
+    yield "".join(head.rjust(width) for head, width in zip(heads, widths, strict=True)) + "  refused"
+    for name, row in figures.items():
+        cells = (
+            name,
+            row["scenes"],
+            row["wrong"],
+            _per_cent(row["wrong_share_95"]),
+            row["registered"],
+            _per_cent(row["registered_share_95"]),
+            "-" if row["worst_deg"] is None else f"{row['worst_deg']:.3f} {row['worst_mm']:.3f}",
+        )
+        refused = ", ".join(f"{code} {times}" for code, times in row["refusals"].items())
+        yield "".join(str(cell).rjust(width) for cell, width in zip(cells, widths, strict=True)) + f"  {refused}"
+
+
+def _per_cent(bounds: tuple[float, float]) -> str:
+    return "-".join(f"{100.0 * end:.3f}" for end in bounds)
+
+
+def main() -> None:
+    """Run what is missing, print the table; exit 1 where an accepted result is wrong."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--folder", type=Path, required=True, help="where the results are kept")
+    parser.add_argument("--count", type=int, default=1000, help="scenes over all faults (default 1000)")
+    parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--faults", nargs="+", type=Fault, default=list(Fault), help="by default all")
+    options = parser.parse_args()
+    options.folder.mkdir(parents=True, exist_ok=True)
+    path = options.folder / "results.jsonl"
+    results = kept(path)
+    known = {(one.fault, one.seed) for one in results}
+    todo = [scene for scene in scenes(options.count, options.faults) if scene not in known]
+    results += run(todo, path, options.processes)
+    figures = summary(results)
+    (options.folder / "summary.json").write_text(json.dumps(figures, indent=1))
+    print("\n".join(table(figures)))
+    wrong = [one for one in results if one.wrong]
+    for one in wrong:
+        print(f"wrong: {one.fault}:{one.seed} ({one.group}) {one.angle_deg:.3f} deg, {one.position_mm:.3f} mm")
+    sys.exit(1 if wrong else 0)
+
+
+if __name__ == "__main__":
+    main()
