@@ -19,6 +19,7 @@ _FAULT_OF_PORT = {
     SCRIPT_PORT: Fault.SCRIPT_PORT_CLOSED,
     DASHBOARD_PORT: Fault.DASHBOARD_CLOSED,
 }
+_LEAVE_WITHIN_S = 1.0
 
 
 class PortServer(Protocol):
@@ -44,6 +45,7 @@ class ControllerServers:
             DASHBOARD_PORT: DashboardServer(core),
         }
         self._listening: dict[int, asyncio.Server] = {}
+        self._clients: set[asyncio.Task[None]] = set()
 
     async def run(self, opened: Callable[[], None], stopping: asyncio.Event) -> None:
         """Serve until told to stop.
@@ -62,6 +64,8 @@ class ControllerServers:
         finally:
             for port in tuple(self._listening):
                 self._shut(port)
+            if self._clients:  # cut off, they end by themselves
+                await asyncio.wait(self._clients, timeout=_LEAVE_WITHIN_S)
 
     async def open_ports(self) -> None:
         """Listen where no fault forbids it, and cut off the clients of the other ports."""
@@ -73,12 +77,14 @@ class ControllerServers:
                 self._listening[port] = await asyncio.start_server(admit, self._core.settings.address, port)
         await asyncio.sleep(0)  # an aborted connection is closed in the loop's next turn: whoever waits sees it closed
 
-    async def _admit(self, port: int, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    def _admit(self, port: int, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Serve a client, unless its port was shut while it was being accepted."""
         if _FAULT_OF_PORT[port] in self._core.faults:
             writer.transport.abort()
-        else:
-            await self._servers[port].serve(reader, writer)
+            return
+        client = asyncio.ensure_future(self._servers[port].serve(reader, writer))
+        self._clients.add(client)
+        client.add_done_callback(self._clients.discard)
 
     def _cycle(self) -> None:
         self.pacing.note()

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from pydicom.uid import generate_uid
 
 from service.client import Refused
 from simulator.controller import PowerAction
+from tests.system.service_process import PIN
 
-PIN = "2468"
 _MOVE_COMMANDS = (1, 2, 3, 4)  # of the control program: joints, pose, straight line, straight line to joints
 
 
@@ -62,9 +61,8 @@ def test_an_image_that_came_before_enters_no_chain(exposed, until) -> None:
     exposed.case.wait_for("registered", timeout_s=90)
     exposed.case.command("retake", reason="once more")
     exposed.case.command("exposure-requested")
-    image.SOPInstanceUID = image.file_meta.MediaStorageSOPInstanceUID = generate_uid()
-    image.AcquisitionTime = exposed.carm.next_time()
-    _arrives_unused(exposed, until, exposed.carm.send(image), 0x0000, "pixels_unseen")
+    again = exposed.carm.sent_again(image)
+    _arrives_unused(exposed, until, exposed.carm.send(again), 0x0000, "pixels_unseen")
 
 
 def test_an_image_cut_short_is_answered_as_not_understood_and_enters_no_chain(exposed, until) -> None:

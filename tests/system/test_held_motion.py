@@ -7,8 +7,8 @@ import pytest
 
 from service.client import Refused
 from simulator.controller import Fault
-
-PIN = "2468"
+from tests.system.service_process import PIN
+from tests.system.walk import lifting
 
 
 def _joints(controller) -> np.ndarray:
@@ -16,18 +16,10 @@ def _joints(controller) -> np.ndarray:
 
 
 @pytest.fixture
-def held(case, lift, controller, until):
-    """A motion under way: 60 mm, three seconds. A crowded machine may lose the hold; then the hand presses again."""
-    for _ in range(4):
-        with case.hold(case.approve(lift(60.0), PIN)) as hold:
-            until(lambda hold=hold: controller.state().tcp_speed_mm_s > 10.0 or hold.is_over)
-            if not hold.is_over:
-                yield hold
-                return
-        if case.wait_for("safe_hold", "case_open")["state"] == "safe_hold":
-            until(lambda: case.status()["arm"]["connected"])
-            case.command("acknowledged", guide="empty")
-    pytest.fail("the machine is too busy to hold a button for a second")
+def held(case, controller):
+    """A motion under way: 60 mm, three seconds."""
+    with lifting(case, controller, 60.0) as hold:
+        yield hold
 
 
 def _comes_to_rest(controller, until) -> None:

@@ -5,7 +5,8 @@ import time
 import numpy as np
 import pytest
 
-PIN = "2468"
+from tests.system.walk import lifting
+
 _STATES = [
     "case_open",
     "carm_positioned",
@@ -69,12 +70,8 @@ def test_after_a_kill_the_case_is_held_with_its_history_whole(service, controlle
 
 
 @pytest.mark.timeout(300)
-def test_a_kill_during_a_motion_stops_the_arm_and_the_journal_has_the_rest(
-    service, controller, killable, lift_of, until
-) -> None:
-    permit = killable.approve(lift_of(killable, 80.0), PIN)
-    with killable.hold(permit):
-        until(lambda: controller.state().tcp_speed_mm_s > 10.0)
+def test_a_kill_during_a_motion_stops_the_arm_and_the_journal_has_the_rest(service, controller, killable) -> None:
+    with lifting(killable, controller, 80.0):
         _, record = _killed_and_started(service, controller, killable)
     restarted = next(event for event in record if event["trigger"] == "restarted")
     assert len(restarted["data"]["imported_motions"]) == 1
