@@ -155,16 +155,18 @@ class Conductor:
         return taken
 
     def _follow(self, taken: Taken) -> None:
-        """After the commit: unlock the guard where a person left a locked state, then whatever the decision causes.
+        """After the commit: lock or unlock the guard with the state, then whatever the decision causes.
 
         Raises ServiceError guard_down, once all is done, where the guard was not unlocked.
         """
         decision, after = taken.decision, taken.decision.after
+        was_locked, is_locked = taken.before.state in LOCKED, after.state in LOCKED
         with self._unlocking:
             if self._live is None or _is_newer(taken, self._live):
                 self._live = taken
-        left_lock = taken.before.state in LOCKED and after.state not in LOCKED
-        unlocked = not left_lock or self.unlock()
+                if is_locked and not was_locked:
+                    self.bridge.stop(f"recorded: {decision.trigger}")  # a pause, too, locks the guard as a stop does
+        unlocked = is_locked or not was_locked or self.unlock()
         if taken.prepared.then is not None:
             taken.prepared.then(decision)
         for effect in decision.effects:

@@ -2,6 +2,8 @@
 
 import asyncio
 import math
+from collections.abc import Callable
+from functools import partial
 
 import structlog
 
@@ -67,17 +69,7 @@ class ImageFlow:
                 _log.exception("image_result_not_recorded", image_id=image_id)
 
     async def _take_in(self, image_id: str) -> None:
-        """Take an image in, again and again while another writer has the database; those behind it keep their order."""
-        for tries_left in reversed(range(_BUSY_TRIES)):
-            try:
-                await asyncio.to_thread(take_in, self._conductor, image_id)
-            except ServiceError as error:
-                if error.code != ErrorCode.DATABASE_BUSY or tries_left == 0:
-                    raise
-                _log.warning("image_taken_in_later", image_id=image_id, code=error.code)
-                await asyncio.sleep(_BUSY_PAUSE_S)
-            else:
-                return
+        await _until_free(lambda: take_in(self._conductor, image_id), image_id)
 
     def _start(self, taken: Taken) -> None:
         self._loop.call_soon_threadsafe(self._work.put_nowait, taken)
@@ -116,7 +108,8 @@ class ImageFlow:
         await self._observe(case_id, Trigger.VERIFICATION_PASSED, _evaluated(image_id, result))
 
     async def _observe(self, case_id: str, trigger: Trigger, prepared: Prepared) -> None:
-        await asyncio.to_thread(self._conductor.observe, case_id, trigger, lambda _: prepared)
+        observe = partial(self._conductor.observe, case_id, trigger, lambda _: prepared)
+        await _until_free(observe, prepared.data["image_id"])
 
     def _target(self, taken: Taken) -> Json:
         """The target that the motion aimed at."""
@@ -124,6 +117,20 @@ class ImageFlow:
         with self._conductor.parts.database.read() as connection:
             artefact = store.read_artefact(connection, ArtefactKind.TARGET, target.id if target else "")
             return dict(artefact.content)
+
+
+async def _until_free(record: Callable[[], object], image_id: str) -> None:
+    """Record something of an image, again and again while another writer has the database; what follows waits."""
+    for tries_left in reversed(range(_BUSY_TRIES)):
+        try:
+            await asyncio.to_thread(record)
+        except ServiceError as error:
+            if error.code != ErrorCode.DATABASE_BUSY or tries_left == 0:
+                raise
+            _log.warning("image_recorded_later", image_id=image_id, code=error.code)
+            await asyncio.sleep(_BUSY_PAUSE_S)
+        else:
+            return
 
 
 def registration_artefact(registration_id: str, image_id: str, result: Json) -> NewArtefact:

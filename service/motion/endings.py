@@ -1,6 +1,8 @@
 """Tells whoever holds the button how the motion ended, once that is in the record."""
 
 import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,18 +23,22 @@ class Endings:
     """Endings awaited, by permit; used on the event loop only."""
 
     def __init__(self) -> None:
-        self._awaited: dict[str, asyncio.Future[Ending]] = {}
+        self._awaited: dict[str, list[asyncio.Future[Ending]]] = {}
 
-    def expect(self, permit_id: str) -> "asyncio.Future[Ending]":
-        """The ending of a permit's motion, to be awaited."""
-        return self._awaited.setdefault(permit_id, asyncio.get_running_loop().create_future())
-
-    def forget(self, permit_id: str) -> None:
-        """Nobody awaits it any more."""
-        self._awaited.pop(permit_id, None)
+    @contextmanager
+    def expected(self, permit_id: str) -> Iterator["asyncio.Future[Ending]"]:
+        """The ending of a permit's motion, to be awaited; one for each who asks, so that nobody takes another's."""
+        ending: asyncio.Future[Ending] = asyncio.get_running_loop().create_future()
+        self._awaited.setdefault(permit_id, []).append(ending)
+        try:
+            yield ending
+        finally:
+            self._awaited[permit_id].remove(ending)
+            if not self._awaited[permit_id]:
+                del self._awaited[permit_id]
 
     def tell(self, permit_id: str, ending: Ending) -> None:
         """The motion is over."""
-        awaited = self._awaited.get(permit_id)
-        if awaited is not None and not awaited.done():
-            awaited.set_result(ending)
+        for awaited in self._awaited.get(permit_id, ()):
+            if not awaited.done():
+                awaited.set_result(ending)

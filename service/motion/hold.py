@@ -65,10 +65,8 @@ async def hold(
     goal = await asyncio.to_thread(_goal, conductor, caller, permit)
     await socket.accept()
     endings: Endings = socket.app.state.endings
-    try:
-        await _run(_Hold(socket, conductor, caller, permit, goal), endings.expect(permit))
-    finally:
-        endings.forget(permit)
+    with endings.expected(permit) as ending:
+        await _run(_Hold(socket, conductor, caller, permit, goal), ending)
 
 
 async def _run(held: _Hold, ending: "asyncio.Future[Ending]") -> None:

@@ -17,13 +17,16 @@ from workflow.triggers import Trigger
 
 
 class Bridge:
-    """A way to a guard that counts how often it was unlocked."""
+    """A way to a guard that counts how often it was locked and unlocked."""
 
     watch = None
 
     def __init__(self) -> None:
-        self.unlocked = 0
+        self.unlocked = self.locked = 0
         self.takes = True
+
+    def stop(self, reason: str) -> None:
+        self.locked += 1
 
     def unlock(self) -> bool:
         self.unlocked += 1
@@ -75,3 +78,15 @@ def test_a_note_on_a_closed_case_takes_no_other_cases_place(conductor) -> None:
     conductor._follow(_taken(5, State.VERIFIED, State.INSERTING))
     conductor._follow(_taken(90, State.CLOSED, State.CLOSED, "closed long ago"))
     assert conductor.live.state is State.INSERTING
+
+
+@pytest.mark.parametrize("state", [State.SAFE_HOLD, State.INSERTING, State.CLOSED])
+def test_the_guard_is_locked_whatever_leads_into_a_locked_state(conductor, state) -> None:
+    conductor._follow(_taken(6, State.CASE_OPEN, state))
+    assert conductor.bridge.locked == 1
+
+
+def test_a_pause_that_an_acknowledgement_has_overtaken_locks_nothing(conductor) -> None:
+    conductor._follow(ACKNOWLEDGED)
+    conductor._follow(_taken(4, State.CASE_OPEN, State.SAFE_HOLD))
+    assert conductor.bridge.locked == 0

@@ -7,8 +7,11 @@ from typing import Any
 import pytest
 
 from service.conductor.image_flow import ImageFlow
+from service.conductor.taking import Prepared
 from service.errors import ErrorCode, ServiceError
 from workflow.decisions import Effect
+from workflow.facts import RegistrationRefused
+from workflow.triggers import Trigger
 
 
 def _conductor() -> Any:
@@ -96,3 +99,22 @@ def test_a_result_that_breaks_its_record_shuts_out_none_behind_it(monkeypatch: p
         await _until(flow.work_through(), enough)
 
     asyncio.run(run())
+
+
+def test_a_result_that_meets_a_busy_database_is_recorded_later(monkeypatch: pytest.MonkeyPatch) -> None:
+    tries: list[str] = []
+
+    def observe(case_id: str, _trigger: Trigger, _prepare: Any) -> None:
+        tries.append(case_id)
+        if len(tries) < 3:
+            raise ServiceError(ErrorCode.DATABASE_BUSY, "another writer held the database too long")
+
+    async def run() -> None:
+        conductor = _conductor()
+        conductor.observe = observe
+        prepared = Prepared(RegistrationRefused("image", "mirrored"), data={"image_id": "image"})
+        await ImageFlow(conductor)._observe("case", Trigger.REGISTRATION_REFUSED, prepared)
+
+    monkeypatch.setattr("service.conductor.image_flow._BUSY_PAUSE_S", 0.0)
+    asyncio.run(run())
+    assert len(tries) == 3
