@@ -1,18 +1,18 @@
 """Where in the image the guide may be: pairs of rings with a line, the best supported first."""
 
 from dataclasses import dataclass
-from itertools import islice
 
 from vision.contour import Priors
 from vision.corrected_image import CorrectedImage
-from vision.detection import AxisRange, RingCandidate, ring_candidates
+from vision.curvature import Curvature
+from vision.detection import AxisRange, Effort, RingCandidate, ring_candidates
 from vision.devices import CArm, Guide
-from vision.first_pose import FirstView, consistent_pairs, first_views
+from vision.first_pose import FirstView, LineDirections, consistent_pairs, first_views
 from vision.profiles import ProfileReader
 from vision.projection import Intrinsics
 from vision.refusal import Refusal, RefusalCode
 from vision.ring_alignment import aligned
-from vision.wires import ridge_points
+from vision.wires import ridge_points, wire_curvature_sigma_px
 
 _NEAREST_SHARE, _FARTHEST_SHARE = 0.45, 0.97  # of the source-to-image distance, where a ring may be
 _MOST_PAIRS = 30  # laid onto their ellipses; variants of a conspicuous circle crowd the list
@@ -34,7 +34,7 @@ def wire_width_px(guide: Guide, carm: CArm, nominal: Intrinsics) -> float:
 
 
 def find_candidates(
-    image: CorrectedImage, guide: Guide, carm: CArm, priors: Priors, reader: ProfileReader, triples: int
+    image: CorrectedImage, guide: Guide, carm: CArm, priors: Priors, reader: ProfileReader, effort: Effort
 ) -> Candidates:
     """First views worth refining.
 
@@ -46,7 +46,7 @@ def find_candidates(
         The device files and what they predict.
     reader : ProfileReader
         Of the image.
-    triples : int
+    effort : Effort
         How hard to look.
 
     Returns
@@ -56,18 +56,19 @@ def find_candidates(
         together.
     """
     nominal = priors.nominal
-    ridge = ridge_points(image.absorption, image.plate.map, wire_width_px(guide, carm, nominal), image.balls_raw)
+    curvature = Curvature.of(image.absorption, wire_curvature_sigma_px(wire_width_px(guide, carm, nominal)))
+    ridge = ridge_points(curvature, image.plate.map, image.balls_raw)
     per_mm = nominal.alpha_x_px / carm.source_to_image_mm
     axes = AxisRange(
         least_px=per_mm * guide.small_ring_radius_mm / _FARTHEST_SHARE,
         greatest_px=per_mm * guide.big_ring_radius_mm / _NEAREST_SHARE,
     )
-    rings = ring_candidates(ridge, axes, triples)
-    return Candidates(rings, _views(rings, image, guide, priors, reader))
+    rings = ring_candidates(ridge, axes, effort)
+    return Candidates(rings, _views(rings, LineDirections(curvature, image.plate.map), guide, priors, reader))
 
 
 def _views(
-    rings: list[RingCandidate], image: CorrectedImage, guide: Guide, priors: Priors, reader: ProfileReader
+    rings: list[RingCandidate], directions: LineDirections, guide: Guide, priors: Priors, reader: ProfileReader
 ) -> list[FirstView] | Refusal:
     if not rings:
         return Refusal(RefusalCode.NO_GUIDE_FOUND, "rings of the guide's size found", 0, 2)
@@ -75,9 +76,8 @@ def _views(
     if not pairs:
         message = "no two of the rings found belong to one guide: consistent pairs"
         return Refusal(RefusalCode.RING_MISSING, message, 0, 1)
-    laid = (aligned(view, pair, guide, priors) for view, pair in pairs)
-    upright = list(islice((view for view in laid if view is not None), _MOST_VIEWS))
-    firsts = [first for view in upright for first in first_views(view, guide, image, reader)]
+    upright = aligned(pairs, guide, priors)[:_MOST_VIEWS]
+    firsts = [first for view in upright for first in first_views(view, guide, directions, reader)]
     if not firsts:
         message = "no two of the rings found can be those of the guide file: pairs that can"
         return Refusal(RefusalCode.GUIDE_MISMATCH, message, 0, 1)

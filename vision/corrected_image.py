@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from vision import gates
 from vision.absorption import Absorption, absorption
 from vision.devices import CArm
-from vision.distortion import DistortionMap, PlateFit, exact, fit
+from vision.distortion import DistortionMap, PlateFit, exact
 from vision.plate import find_lattice
+from vision.plate_fit import fit
 from vision.refusal import Refusal, RefusalCode
 from vision.xray import XrayImage
 

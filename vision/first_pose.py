@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.absorption import Absorption
 from vision.conics import RingPair, depth_ratio, true_centres
-from vision.corrected_image import CorrectedImage
+from vision.curvature import Curvature
 from vision.detection import RingCandidate
 from vision.devices import Guide
 from vision.distortion import DistortionMap
@@ -53,16 +52,14 @@ def consistent_pairs(candidates: list[RingCandidate], guide: Guide, nominal: Int
     return [(view, rings) for _, view, rings in sorted(pairs, key=lambda pair: -pair[0])]
 
 
-def first_views(upright: View, guide: Guide, image: CorrectedImage, reader: ProfileReader) -> list[FirstView]:
+def first_views(upright: View, guide: Guide, directions: "LineDirections", reader: ProfileReader) -> list[FirstView]:
     """The view turned to where the line shows, the best first; more than one where several lines do.
 
     Bone edges and end plates bend the ground more than a wire does, so the strongest few directions are compared by how
     much of the line looks like one straight wire.
     """
-    wire_px = guide.wire_diameter_mm * upright.intrinsics.alpha_x_px / upright.source_from_guide[2, 3]
-    curvature = _Curvature(image.absorption, image.plate.map, wire_px)
     turns = np.linspace(0.0, 2.0 * math.pi, _DIRECTIONS, endpoint=False, dtype=np.float64)
-    contrast = curvature.across_lines(upright, guide, turns) / curvature.across_rings(upright, guide)
+    contrast = directions.across_lines(upright, guide, turns) / directions.across_rings(upright, guide)
     found = []
     for index in _peaks(contrast):
         view = _turned(upright, float(turns[index]))
@@ -134,12 +131,11 @@ def _turned(view: View, turn_rad: float) -> View:
     return View(view.intrinsics, pose)
 
 
-class _Curvature:
-    """Second derivative across a direction, read at corrected pixels."""
+class LineDirections:
+    """Second derivative of the image across a direction, read at corrected pixels."""
 
-    def __init__(self, absorption: Absorption, distortion: DistortionMap, wire_px: float) -> None:
-        self._uu, self._uv, self._vv = absorption.curvatures(max(1.0, wire_px / math.sqrt(3.0)))
-        self._inside = absorption.inside
+    def __init__(self, curvature: Curvature, distortion: DistortionMap) -> None:
+        self._curvature = curvature
         self._distortion = distortion
 
     def across_lines(self, upright: View, guide: Guide, turns: Array) -> Array:
@@ -170,10 +166,8 @@ class _Curvature:
         return max(float(np.median(np.concatenate(curves))), 1e-6)
 
     def _read(self, points: Array, normals: Array) -> Array:
-        rows, columns = self._uu.shape
-        raw = np.rint(self._distortion.raw_from_corrected(points)).astype(np.intp)
-        seen: NDArray[np.bool_] = np.all((raw >= 0) & (raw < (columns, rows)), axis=1)
-        u, v = np.where(seen[:, None], raw, 0).T
+        row, column, seen = self._curvature.cells_at(self._distortion.raw_from_corrected(points))
+        uu, uv, vv = (part[row, column] for part in (self._curvature.uu, self._curvature.uv, self._curvature.vv))
         x, y = normals.T
-        value = x * x * self._uu[v, u] + 2.0 * x * y * self._uv[v, u] + y * y * self._vv[v, u]
-        return np.where(seen & self._inside[v, u], value, 0.0)
+        seen &= self._curvature.inside[row, column]
+        return np.where(seen, x * x * uu + 2.0 * x * y * uv + y * y * vv, 0.0)

@@ -1,6 +1,5 @@
 """The balls of the correction plate: found below the pixel and indexed on their lattice."""
 
-from collections import deque
 from dataclasses import dataclass
 
 import cv2
@@ -9,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from vision.absorption import Absorption
+from vision.curvature import Curvature
 from vision.devices import Plate
 from vision.refusal import Refusal, RefusalCode
 from vision.spots import fit_spots
@@ -73,13 +73,14 @@ def _candidates(absorption: Absorption, radius_px: float) -> Array:
 
     The measure is the lesser curvature of the smoothed image: wires, which bend in one direction only, have none.
     """
-    curvature = absorption.lesser_curvature(radius_px / np.sqrt(2.0))
-    window = 2 * round(2.0 * radius_px) + 1
-    peaks = (curvature == cv2.dilate(curvature, np.ones((window, window), np.uint8))) & absorption.inside
-    noise = 1.4826 * float(np.median(np.abs(curvature[absorption.inside])))
-    rows, columns = np.nonzero(peaks & (curvature > _CONTRAST_SD * noise))
-    order = np.argsort(-curvature[rows, columns])[:_MOST_CANDIDATES]
-    return np.column_stack((columns[order], rows[order])).astype(np.float64)
+    curvature = Curvature.of(absorption, radius_px / np.sqrt(2.0))
+    measure = curvature.lesser
+    window = 2 * max(1, round(2.0 * radius_px / curvature.cell_px)) + 1
+    peaks = measure == cv2.dilate(measure, np.ones((window, window), np.uint8))
+    peaks &= (measure > _CONTRAST_SD * curvature.noise_of(measure)) & curvature.inside
+    rows, columns = np.nonzero(peaks)
+    order = np.argsort(-measure[rows, columns])[:_MOST_CANDIDATES]
+    return curvature.raw_from_cells(np.column_stack((columns[order], rows[order])).astype(np.float64))
 
 
 def _lattice_steps(strongest: Array, spacing_px: float) -> Array | None:
@@ -108,33 +109,53 @@ def _grown(candidates: Array, steps: Array) -> tuple[NDArray[np.intp], NDArray[n
     tree = KDTree(candidates)
     centre = candidates[: LEAST_BALLS * 2].mean(axis=0)
     seeds = np.argsort(np.hypot(*(candidates[:_SEED_CANDIDATES] - centre).T))[::7]
-    best: dict[tuple[int, int], int] = {}
+    best = np.zeros(0, dtype=np.intp), np.zeros((0, 2), dtype=np.intp)
     for seed in seeds[:40]:
         found = _grow(candidates, tree, steps, int(seed))
-        if len(found) > len(best):
+        if len(found[0]) > len(best[0]):
             best = found
-        if len(best) > len(candidates[:_SEED_CANDIDATES]) // 2:
+        if len(best[0]) > len(candidates[:_SEED_CANDIDATES]) // 2:
             break
-    members = np.fromiter(best.values(), dtype=np.intp, count=len(best))
-    return members, np.array(list(best), dtype=np.intp).reshape(-1, 2)
+    return best
 
 
-def _grow(candidates: Array, tree: KDTree, steps: Array, seed: int) -> dict[tuple[int, int], int]:
-    """Lattice places reachable from a seed, each new ball predicted from the two before it in its row."""
-    found, taken = {(0, 0): seed}, {seed}
-    queue = deque([(0, 0)])
+def _grow(candidates: Array, tree: KDTree, steps: Array, seed: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Lattice places reachable from a seed, ring by ring; each ball is predicted from the two before it in its row.
+
+    The board holds the candidate of each place, -1 for none; it is as wide as the candidates can reach.
+    """
     within = _STEP_WITHIN * float(np.hypot(*steps[0]))
-    while queue:
-        place = queue.popleft()
+    middle = 1 + int(np.ptp(candidates, axis=0).max() / (np.hypot(*steps[0]) - within))
+    board = np.full((2 * middle + 1, 2 * middle + 1), -1, dtype=np.intp)
+    board[middle, middle] = seed
+    free = np.ones(len(candidates), dtype=bool)
+    free[seed] = False
+    front = np.array([[middle, middle]])
+    while len(front):
+        reached = []
         for way in _NEIGHBOURS:
-            ahead, behind = (place[0] + way[0], place[1] + way[1]), (place[0] - way[0], place[1] - way[1])
-            if ahead in found:
-                continue
-            here = candidates[found[place]]
-            step = here - candidates[found[behind]] if behind in found else np.array(way) @ steps
+            ahead, behind = _inside_board(front, way, board)
+            here = candidates[board[ahead[:, 0] - way[0], ahead[:, 1] - way[1]]]
+            before = board[behind[:, 0], behind[:, 1]]
+            step = np.where(before[:, None] >= 0, here - candidates[before], np.array(way) @ steps)
             distance, index = tree.query(here + step)
-            if distance < within and index not in taken:
-                found[ahead] = int(index)
-                taken.add(int(index))
-                queue.append(ahead)
-    return found
+            index, first = np.unique(np.where(distance < within, index, -1), return_index=True)
+            new = (index >= 0) & free[index]
+            places = ahead[first[new]]
+            board[places[:, 0], places[:, 1]] = index[new]
+            free[index[new]] = False
+            reached.append(places)
+        front = np.concatenate(reached)
+    places = np.argwhere(board >= 0)
+    return board[places[:, 0], places[:, 1]], places - middle
+
+
+def _inside_board(
+    front: NDArray[np.intp], way: tuple[int, int], board: NDArray[np.intp]
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The places (n, 2) one step ahead of a front's that are empty and on the board, and those one step behind."""
+    ahead, behind = front + way, front - way
+    on_board = ((ahead >= 0) & (ahead < len(board)) & (behind >= 0) & (behind < len(board))).all(axis=1)
+    ahead, behind = ahead[on_board], behind[on_board]
+    empty = board[ahead[:, 0], ahead[:, 1]] < 0
+    return ahead[empty], behind[empty]

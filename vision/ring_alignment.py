@@ -1,80 +1,125 @@
-"""A first view laid onto the two ellipses it came from, so that the line is looked for where it is.
+"""First views laid onto the two ellipses they came from, so that the line is looked for where it is.
 
-With the principal point and the distance as the file has them a steep view misses the rings by several pixels.
+With the principal point and the distance as the file has them a steep view misses the rings by several pixels. All
+pairs of an image are laid together: each takes but a few numbers.
 """
+
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from vision.conics import RingPair, conic_from_ellipse
-from vision.contour import Observations, Priors, residual_px, solve_view
+from vision.conics import Ellipse, RingPair
+from vision.contour import Priors
 from vision.devices import Guide
-from vision.projection import View
-from vision.wire_model import Wire, WireSamples, sample_wires
+from vision.projection import Intrinsics, View
 
 Array = NDArray[np.float64]
 
-_EVERY = 8  # sample of the rings: an ellipse is smooth
-_ELLIPSE_SD_PX = 1.0  # of the candidate ellipses
-_TURN_SD_PX = 3.0
-_WORST_PX = 2.0  # root mean square; rings of another size or separation leave more
-_ROUNDS = 3
+_PLACES = 24  # on each ellipse: it is smooth
+_ELLIPSE_SD_PX = 0.5  # of one place on a candidate ellipse; the places of an ellipse are off together
+_WORST_SHARE = 0.025  # root mean square, of the small ring's size; rings of another size or separation leave more
+_ROUNDS = 6
+# Steps of about equal effect on the image: alpha (relative), centre (px), tilt (rad), translation (mm)
+_SCALES = np.array([3e-3, 5.0, 5.0, 2e-3, 2e-3, 0.5, 0.5, 3.0])
+_DIFFERENCE = 1e-3  # of the scales, for derivatives
 
 
-def aligned(view: View, rings: RingPair, guide: Guide, priors: Priors) -> View | None:
-    """The view fitted to both ellipses under the priors; its turn about the guide's axis stays open.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Views:
+    """Views (p,) as arrays: alpha, u0, v0 (p, 3), rotation (p, 3, 3), translation (p, 3)."""
+
+    intrinsics: Array
+    rotation: Array
+    translation: Array
+
+    def moved(self, step: Array) -> "_Views":
+        """Stepped by (p, 8) in units of the scales; the tilt is about the guide's own x and y."""
+        step = step * _SCALES
+        intrinsics = self.intrinsics + step[:, :3] * np.column_stack((self.intrinsics[:, 0], np.ones((len(step), 2))))
+        turns = Rotation.from_rotvec(np.column_stack((step[:, 3:5], np.zeros(len(step))))).as_matrix()
+        return _Views(intrinsics, self.rotation @ turns, self.translation + step[:, 5:])
+
+
+def aligned(pairs: Sequence[tuple[View, RingPair]], guide: Guide, priors: Priors) -> list[View]:
+    """The views fitted to both their ellipses under the priors; their turn about the guide's axis stays open.
 
     Parameters
     ----------
-    view : View
-        By the rings' centres and sizes.
-    rings : RingPair
-        Corrected pixels.
+    pairs : Sequence[tuple[View, RingPair]]
+        Views by the rings' centres and sizes; ellipses in corrected pixels.
     guide, priors
         By the device files.
 
     Returns
     -------
-    View or None
-        None where the guide of the file cannot look like these ellipses.
+    list[View]
+        In the same order, those left out that the guide of the file cannot look like.
     """
+    if not pairs:
+        return []
+    views = _arrays([view for view, _ in pairs])
+    places = np.array([[_around(rings.small), _around(rings.big)] for _, rings in pairs])
     for _ in range(_ROUNDS):
-        observations = _on_ellipses(view, rings, guide)
-        weight = np.ones(len(observations.along))
-        view, _ = solve_view(view, guide, observations, priors, weight, _ELLIPSE_SD_PX)
-    left = residual_px(view, guide, _on_ellipses(view, rings, guide))
-    return view if float(np.sqrt((left**2).mean())) < _WORST_PX else None
+        here = _residual(views, places, guide, priors)
+        ways = [views.moved(np.broadcast_to(way, (len(pairs), len(way)))) for way in np.eye(len(_SCALES)) * _DIFFERENCE]
+        slopes = [(_residual(way, places, guide, priors) - here) / _DIFFERENCE for way in ways]
+        jacobian = np.stack(slopes, axis=2)
+        gradient = (jacobian.swapaxes(1, 2) @ here[:, :, None])[:, :, 0]
+        step = np.linalg.solve(jacobian.swapaxes(1, 2) @ jacobian, gradient[:, :, None])[:, :, 0]
+        views = views.moved(np.asarray(-step, dtype=np.float64))
+    off_px = np.sqrt((_misfit_px(views, places, guide) ** 2).mean(axis=(1, 2)))
+    sizes_px = np.array([rings.small.semi_axes_px[0] for _, rings in pairs])
+    return [_view(views, int(index)) for index in np.nonzero(off_px < _WORST_SHARE * sizes_px)[0]]
 
 
-def _on_ellipses(view: View, rings: RingPair, guide: Guide) -> Observations:
-    """Where the ellipses cross the normals of the projected rings."""
-    samples = sample_wires(view, guide)
-    chosen, measured = [], []
-    for wire, ellipse in ((Wire.SMALL_RING, rings.small), (Wire.BIG_RING, rings.big)):
-        on = samples.chosen((samples.wire == wire) & (np.arange(len(samples.along)) % _EVERY == 0))
-        distance = _to_conic(conic_from_ellipse(ellipse), on.points, on.normals)
-        chosen.append(on)
-        measured.append(on.points + distance[:, None] * on.normals)
-    wires, along, normals = (
-        np.concatenate([getattr(on, name) for on in chosen]) for name in ("wire", "along", "normals")
-    )
-    return Observations(wires, along, np.concatenate(measured), normals, *_held_turn(samples))
+def _residual(views: _Views, places: Array, guide: Guide, priors: Priors) -> Array:
+    """Everything in its standard deviations (p, 2 * places + 3)."""
+    nominal = priors.nominal
+    off = views.intrinsics - (nominal.alpha_x_px, nominal.u0_px, nominal.v0_px)
+    pulls = off / (priors.alpha_sd_px, priors.centre_sd_px, priors.centre_sd_px)
+    rings = _misfit_px(views, places, guide).reshape(len(off), -1) / _ELLIPSE_SD_PX
+    return np.hstack((rings, pulls))
 
 
-def _held_turn(samples: WireSamples) -> tuple[Array, Array, Array, Array]:
-    """The line's end where it is, so that the rings, which leave the turn open, do not let it run away."""
-    x_mm = float(samples.along[-1])
-    sd_px = np.array([_TURN_SD_PX])
-    return np.array([[x_mm, 0.0, 0.0]]), samples.points[-1:], samples.normals[-1:], sd_px
+def _misfit_px(views: _Views, places: Array, guide: Guide) -> Array:
+    """How far places (p, 2, n, 3) on both ellipses, seen back in the rings' planes, lie outside the rings: (p, 2, n).
+
+    In pixels by the ring's mean scale.
+    """
+    matrix = np.zeros((len(places), 3, 3))
+    matrix[:, 0, 0] = matrix[:, 1, 1] = views.intrinsics[:, 0]
+    matrix[:, :2, 2], matrix[:, 2, 2] = views.intrinsics[:, 1:], 1.0
+    radii, misfit = (guide.small_ring_radius_mm, guide.big_ring_radius_mm), []
+    for ring, (radius_mm, z_mm) in enumerate(zip(radii, (0.0, -guide.separation_mm), strict=True)):
+        source_from_plane = views.rotation.copy()
+        source_from_plane[:, :, 2] = views.rotation[:, :, 2] * z_mm + views.translation
+        on_plane = places[:, ring] @ np.linalg.inv(matrix @ source_from_plane).swapaxes(1, 2)
+        distance_mm = np.hypot(on_plane[:, :, 0], on_plane[:, :, 1]) / on_plane[:, :, 2]
+        per_mm = views.intrinsics[:, 0] / source_from_plane[:, 2, 2]
+        misfit.append((distance_mm - radius_mm) * per_mm[:, None])
+    return np.stack(misfit, axis=1)
 
 
-def _to_conic(conic: Array, points: Array, normals: Array) -> Array:
-    """Signed distance (n,) along the normals to the nearer crossing with a conic; to the chord's middle without one."""
-    start = np.column_stack((points, np.ones(len(points))))
-    way = np.column_stack((normals, np.zeros(len(points))))
-    a, b, c = (
-        np.einsum("ni,ij,nj->n", left, conic, right) for left, right in ((way, way), (way, start), (start, start))
-    )
-    root = np.sqrt(np.clip(b * b - a * c, 0.0, None))
-    near, far = (-b + root) / a, (-b - root) / a
-    return np.asarray(np.where(np.abs(near) < np.abs(far), near, far), dtype=np.float64)
+def _around(ellipse: Ellipse) -> Array:
+    """Homogeneous places (n, 3) on an ellipse, corrected pixels."""
+    angle = np.linspace(0.0, 2.0 * np.pi, _PLACES, endpoint=False)
+    along, across = ellipse.semi_axes_px[0] * np.cos(angle), ellipse.semi_axes_px[1] * np.sin(angle)
+    cosine, sine = np.cos(ellipse.angle_rad), np.sin(ellipse.angle_rad)
+    u, v = along * cosine - across * sine, along * sine + across * cosine
+    return np.column_stack((u + ellipse.centre_px[0], v + ellipse.centre_px[1], np.ones(_PLACES)))
+
+
+def _arrays(views: Sequence[View]) -> _Views:
+    intrinsics = np.array([(v.intrinsics.alpha_x_px, v.intrinsics.u0_px, v.intrinsics.v0_px) for v in views])
+    poses = np.array([view.source_from_guide for view in views])
+    return _Views(intrinsics, poses[:, :3, :3], poses[:, :3, 3])
+
+
+def _view(views: _Views, index: int) -> View:
+    alpha_px, u0_px, v0_px = (float(value) for value in views.intrinsics[index])
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = views.rotation[index], views.translation[index]
+    return View(Intrinsics(alpha_px, alpha_px, u0_px, v0_px), pose)

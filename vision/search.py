@@ -7,7 +7,7 @@ import numpy as np
 
 from vision.candidates import Candidates, find_candidates
 from vision.corrected_image import CorrectedImage
-from vision.detection import QUICK_TRIPLES, THOROUGH_TRIPLES
+from vision.detection import QUICK, THOROUGH, Effort
 from vision.devices import CArm, Guide
 from vision.first_pose import FirstView
 from vision.measuring import Scene
@@ -32,14 +32,14 @@ class Search:
 
 def search(image: CorrectedImage, scene: Scene, carm: CArm) -> Search:
     """A quick search; where that finds no solution, a thorough one."""
-    quick = _search(image, scene, carm, QUICK_TRIPLES)
+    quick = _search(image, scene, carm, QUICK)
     if isinstance(quick.outcome, Refusal) and quick.outcome.code not in _FINAL:
-        return _search(image, scene, carm, THOROUGH_TRIPLES)
+        return _search(image, scene, carm, THOROUGH)
     return quick
 
 
-def _search(image: CorrectedImage, scene: Scene, carm: CArm, triples: int) -> Search:
-    candidates = find_candidates(image, scene.guide, carm, scene.priors, scene.reader, triples)
+def _search(image: CorrectedImage, scene: Scene, carm: CArm, effort: Effort) -> Search:
+    candidates = find_candidates(image, scene.guide, carm, scene.priors, scene.reader, effort)
     if isinstance(candidates.views, Refusal):
         return Search(candidates, [], candidates.views)
     attempts = [_attempt(first, scene, image) for first in candidates.views]

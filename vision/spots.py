@@ -8,9 +8,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _REACH = 2.0  # half side of the patch, in spot radii
-_ROUNDS = 6
+_MOST_ROUNDS = 8
+_SETTLED_PX = 2e-3  # of the last step; the next is far smaller
 _WIDTH = 0.75  # of a Gaussian that is like a ball's shadow, in spot radii
 _NARROWEST, _WIDEST = 0.4, 1.5
+_LONGEST_STEP = 0.4  # of centre and width, in standard deviations of the spot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,37 +41,70 @@ def fit_spots(values: NDArray[np.float32], starts: Array, radius_px: float) -> S
     Spots
         Those too near the border are not settled.
     """
-    reach = round(_REACH * radius_px)
-    offsets = np.arange(-reach, reach + 1, dtype=np.intp)
-    v, u = np.repeat(offsets, len(offsets)), np.tile(offsets, len(offsets))
+    reach = max(2, round(_REACH * radius_px))
+    offsets = np.arange(-reach, reach + 1)
     pixels = np.rint(starts).astype(np.intp)
     limits = np.array(values.shape[::-1]) - reach - 1
     inside: NDArray[np.bool_] = np.all((pixels >= reach + 1) & (pixels < limits), axis=1)
     corner = np.where(inside[:, None], pixels, reach + 1)
-    patches = values[corner[:, 1, None] + v, corner[:, 0, None] + u].astype(np.float64)
-    centres, sigma = starts - corner, np.full(len(starts), _WIDTH * radius_px)
-    centres[~inside] = 0.0
+    rows, columns = corner[:, 1, None, None] + offsets[:, None], corner[:, 0, None, None] + offsets
+    patches = _without_ground(values[rows, columns].astype(np.float64), offsets)
+    centres, sigma = np.where(inside[:, None], starts - corner, 0.0), np.full(len(starts), _WIDTH * radius_px)
     amplitude = np.zeros(len(starts))
-    for _ in range(_ROUNDS):
-        centres, sigma, amplitude = _step(patches, centres, sigma, u, v)
-        sigma = np.clip(sigma, _NARROWEST * radius_px, _WIDEST * radius_px)
+    for _ in range(_MOST_ROUNDS):
+        step, widening, amplitude = _step(patches, centres, sigma, offsets)
+        centres = centres + step
+        sigma = np.clip(sigma + widening, _NARROWEST * radius_px, _WIDEST * radius_px)
+        if not np.quantile(np.abs(step), 0.95) > _SETTLED_PX:
+            break
     near = np.abs(corner + centres - starts).max(axis=1) < radius_px
     return Spots(corner + centres, amplitude, inside & near & (amplitude > 0.0))
 
 
-def _step(
-    patches: Array, centres: Array, sigma: Array, u: NDArray[np.intp], v: NDArray[np.intp]
-) -> tuple[Array, Array, Array]:
-    """One step of centre and width of each patch; amplitude and ground are linear and solved beforehand."""
-    x, y = u - centres[:, :1], v - centres[:, 1:]
-    spot = np.exp(-(x**2 + y**2) / (2.0 * sigma[:, None] ** 2))
-    ground = [np.ones_like(spot), np.broadcast_to(u, spot.shape), np.broadcast_to(v, spot.shape)]
-    amplitude = solve_patches(np.stack([spot, *ground], axis=2), patches)[:, 0]
-    scaled = amplitude[:, None] * spot
-    slopes = [scaled * x / sigma[:, None] ** 2, scaled * y / sigma[:, None] ** 2]
-    width = scaled * (x**2 + y**2) / sigma[:, None] ** 3
-    steps = solve_patches(np.stack([*slopes, width, spot, *ground], axis=2), patches - scaled)
-    return centres + np.clip(steps[:, :2], -1.0, 1.0), sigma + np.clip(steps[:, 2], -0.5, 0.5), amplitude
+def _without_ground(patches: Array, offsets: NDArray[np.intp]) -> Array:
+    """Patches (n, s, s) less their best sloping plane."""
+    x: Array = offsets / np.sqrt(float((offsets**2).sum() * len(offsets)))
+    mean = patches.mean(axis=(1, 2))
+    along_u, along_v = patches.sum(axis=1) @ x, patches.sum(axis=2) @ x
+    return np.asarray(patches - mean[:, None, None] - along_u[:, None, None] * x - along_v[:, None, None] * x[:, None])
+
+
+def _step(patches: Array, centres: Array, sigma: Array, offsets: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+    """Steps of centre (n, 2) and width (n,) of each spot, and its amplitude (n,).
+
+    A Gaussian and its derivatives are products of a function of u and one of v, so that sums over a patch are products
+    of sums along u and v. The patches have no plane left, so it is taken out of the model alone.
+    """
+    along_u, along_v = (_moments(offsets - centres[:, axis, None], sigma) for axis in (0, 1))
+    powers_u, powers_v = _POWERS.T
+    gram = (along_u @ along_u.swapaxes(1, 2))[:, powers_u[:, None], powers_u]
+    gram *= (along_v @ along_v.swapaxes(1, 2))[:, powers_v[:, None], powers_v]
+    plane = np.column_stack((np.ones(len(offsets)), offsets)) / np.sqrt([len(offsets), float((offsets**2).sum())])
+    plane_u, plane_v = (along_u @ plane)[:, powers_u], (along_v @ plane)[:, powers_v]
+    shared: Array = np.stack([plane_u[:, :, i] * plane_v[:, :, j] for i, j in ((0, 0), (1, 0), (0, 1))], axis=2)
+    gram -= shared @ shared.swapaxes(1, 2)
+    wanted = (along_v @ patches @ along_u.swapaxes(1, 2))[:, powers_v, powers_u]
+    gram, wanted = _TERMS @ gram @ _TERMS.T, wanted @ _TERMS.T
+    # a hair of ridge: a patch without contrast has no defined centre, and must not stop the others
+    gram += (1e-9 * np.trace(gram, axis1=1, axis2=2) + 1e-30)[:, None, None] * np.eye(len(_TERMS))
+    solved = np.linalg.solve(gram, wanted[:, :, None])[:, :, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.nan_to_num(solved[:, 1:] / solved[:, :1]) * sigma[:, None] ** (2, 2, 3)
+    limit = _LONGEST_STEP * sigma[:, None]
+    relative = np.clip(relative, -limit, limit)
+    return relative[:, :2], relative[:, 2], solved[:, 0]
+
+
+# Powers of the offsets along u and v by which the Gaussian is multiplied, and how they make up the spot's terms: the
+# spot itself, its derivatives by u, by v and by its width.
+_POWERS = np.array([(0, 0), (1, 0), (0, 1), (2, 0), (0, 2)])
+_TERMS = np.array([(1.0, 0, 0, 0, 0), (0, 1, 0, 0, 0), (0, 0, 1, 0, 0), (0, 0, 0, 1, 1)])
+
+
+def _moments(x: Array, sigma: Array) -> Array:
+    """A Gaussian along one axis times 1, x and x squared: (n, 3, s)."""
+    crest = np.exp(-(x**2) / (2.0 * sigma[:, None] ** 2))
+    return np.stack((crest, crest * x, crest * x * x), axis=1)
 
 
 def solve_patches(design: Array, wanted: Array) -> Array:

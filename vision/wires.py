@@ -1,4 +1,4 @@
-"""Ridge points: where the absorption has the crest of a thin wire, below the pixel."""
+"""Ridge points: where the absorption has the crest of a thin wire, to a fraction of a cell."""
 
 from dataclasses import dataclass
 
@@ -6,76 +6,82 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from vision.absorption import Absorption
+from vision.curvature import Curvature
 from vision.distortion import DistortionMap
 
 Array = NDArray[np.float64]
 
 _CONTRAST_SD = 4.0  # of the spread of the ridge measure, most of which is anatomy, not noise
-_CREST_WITHIN_PX = 0.6  # of the pixel whose Taylor expansion finds it
-_MOST_POINTS = 12_000
+_CREST_WITHIN_CELLS = 0.6  # of the cell whose Taylor expansion finds it
+_MOST_POINTS = 6_000
 _ALONG_TO_ACROSS = 0.5  # greatest curvature along a wire, relative to that across it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ridge:
-    """Crest points of thin dark wires in corrected pixels: places (n, 2) and unit normals (n, 2)."""
+    """Crest points of thin dark wires in corrected pixels, a spacing apart: places (n, 2) and unit normals (n, 2)."""
 
     points: Array
     normals: Array
+    spacing_px: float
 
 
-def ridge_points(absorption: Absorption, distortion: DistortionMap, wire_px: float, balls: Array) -> Ridge:
-    """Ridge points of wires of about `wire_px` width, those at the plate's balls left out.
+def wire_curvature_sigma_px(wire_px: float) -> float:
+    """Smoothing that shows wires of about `wire_px` width best: Steger's least is half of it."""
+    return wire_px / float(np.sqrt(3.0))
+
+
+def ridge_points(curvature: Curvature, distortion: DistortionMap, balls: Array) -> Ridge:
+    """Ridge points, those at the plate's balls left out.
 
     Parameters
     ----------
-    absorption : Absorption
-        The image.
+    curvature : Curvature
+        Of the image at the wires' scale.
     distortion : DistortionMap
         Raw -> corrected.
-    wire_px : float
-        Width of a wire's shadow.
     balls : Array
         (n, 3): raw pixel and radius in px of what is no wire.
 
     Returns
     -------
     Ridge
-        Corrected pixels, the strongest 12,000 at most.
+        Corrected pixels, the strongest 6,000 at most.
 
     Notes
     -----
     Steger's detector: the crest is where the derivative along the direction of greatest curvature vanishes.
     """
-    sigma_px = max(1.0, wire_px / np.sqrt(3.0))
-    uu, uv, vv = absorption.curvatures(sigma_px)
-    mean, spread = (uu + vv) / 2.0, np.sqrt((uu - vv) ** 2 / 4.0 + uv**2)
-    across, along = mean + spread, mean - spread
-    noise = 1.4826 * float(np.median(np.abs(across[absorption.inside])))
-    strong = absorption.inside & (across > _CONTRAST_SD * noise) & (np.abs(along) < _ALONG_TO_ACROSS * across)
+    strong = (curvature.greater > _CONTRAST_SD * curvature.noise_of(curvature.greater)) & curvature.inside
     rows, columns = np.nonzero(strong)
-    angle = 0.5 * np.arctan2(2.0 * uv[rows, columns], uu[rows, columns] - vv[rows, columns])
-    normals = np.column_stack((np.cos(angle), np.sin(angle))).astype(np.float64)
-    along_u, along_v = absorption.slopes(sigma_px)
-    slope = normals[:, 0] * along_u[rows, columns] + normals[:, 1] * along_v[rows, columns]
-    shift = slope / across[rows, columns] * sigma_px**2
-    crest = (np.abs(shift[:, None] * normals) < _CREST_WITHIN_PX).all(axis=1)
-    raw = (np.column_stack((columns, rows)) + shift[:, None] * normals)[crest]
+    across = curvature.greater[rows, columns]
+    uu, uv, vv = (part[rows, columns] for part in (curvature.uu, curvature.uv, curvature.vv))
+    angle = 0.5 * np.arctan2(2.0 * uv, uu - vv)
+    normal_u, normal_v = np.cos(angle), np.sin(angle)
+    along_u, along_v = curvature.slopes(rows, columns)
+    shift = (normal_u * along_u + normal_v * along_v) / across * np.float32(curvature.sigma_cells**2)
+    crest = np.maximum(np.abs(shift * normal_u), np.abs(shift * normal_v)) < _CREST_WITHIN_CELLS
+    crest &= np.abs(curvature.lesser[rows, columns]) < _ALONG_TO_ACROSS * across
+    normals = np.column_stack((normal_u, normal_v))[crest].astype(np.float64)
+    cells = np.column_stack((columns, rows))[crest] + shift[crest, None] * normals
+    raw = curvature.raw_from_cells(cells)
     kept = np.nonzero(_apart_from(raw, balls))[0]
-    strength = across[rows, columns][crest][kept]
-    kept = kept[np.argsort(-strength)[:_MOST_POINTS]]
-    return _corrected(raw[kept], normals[crest][kept], distortion)
+    if len(kept) > _MOST_POINTS:
+        kept = kept[np.argpartition(-across[crest][kept], _MOST_POINTS)[:_MOST_POINTS]]
+    return _corrected(raw[kept], normals[kept], distortion, float(curvature.cell_px))
 
 
 def _apart_from(points: Array, balls: Array) -> NDArray[np.bool_]:
     if not len(balls) or not len(points):
         return np.ones(len(points), dtype=bool)
-    distance, index = KDTree(balls[:, :2]).query(points)
-    return np.asarray(distance > balls[index, 2])
+    distance, index = KDTree(balls[:, :2]).query(points, distance_upper_bound=float(balls[:, 2].max()))
+    near = index < len(balls)
+    return np.asarray(~near | (distance > balls[np.where(near, index, 0), 2]))
 
 
-def _corrected(raw: Array, normals: Array, distortion: DistortionMap) -> Ridge:
+def _corrected(raw: Array, normals: Array, distortion: DistortionMap, spacing_px: float) -> Ridge:
     """Points and normals carried into corrected pixels; normals go by the inverse transpose of the derivative."""
-    carried = np.linalg.solve(np.swapaxes(distortion.jacobian(raw), 1, 2), normals[:, :, None])[:, :, 0]
-    return Ridge(distortion.corrected_from_raw(raw), carried / np.linalg.norm(carried, axis=1, keepdims=True))
+    corrected, ((a, b), (c, d)) = distortion.corrected_from_raw(raw), np.moveaxis(distortion.jacobian(raw), 0, 2)
+    # up to the determinant, which only scales them
+    carried = np.column_stack((d * normals[:, 0] - c * normals[:, 1], a * normals[:, 1] - b * normals[:, 0]))
+    return Ridge(corrected, carried / np.linalg.norm(carried, axis=1, keepdims=True), spacing_px)

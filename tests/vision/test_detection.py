@@ -11,33 +11,35 @@ from vision.wires import Ridge
 Array = NDArray[np.float64]
 
 AXES = AxisRange(55.0, 190.0)
+SPACING_PX = 2.0
 SMALL = Ellipse((520.4, 480.7), (78.0, 70.5), 0.6)
 BIG = Ellipse((548.2, 503.1), (122.0, 109.0), 0.7)
 
 
 def around(ellipse: Ellipse, hidden_rad: float = 0.0, seed: int = 0, noise_px: float = 0.2) -> Ridge:
-    """Ridge points along an ellipse, about one a pixel, an arc of it hidden."""
+    """Ridge points along an ellipse, about one every other pixel, an arc of it hidden."""
     rng = np.random.default_rng(seed)
-    t = np.linspace(0.0, 2.0 * np.pi - hidden_rad, int(5.5 * ellipse.semi_axes_px[0]), endpoint=False)
+    t = np.linspace(0.0, 2.0 * np.pi - hidden_rad, int(5.5 * ellipse.semi_axes_px[0] / SPACING_PX), endpoint=False)
     a, b = ellipse.semi_axes_px
     c, s = np.cos(ellipse.angle_rad), np.sin(ellipse.angle_rad)
     turn = np.array([[c, s], [-s, c]])
     normals = np.column_stack((b * np.cos(t), a * np.sin(t))) @ turn
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     points = np.column_stack((a * np.cos(t), b * np.sin(t))) @ turn + ellipse.centre_px
-    return Ridge(points + rng.normal(0.0, noise_px, (len(t), 1)) * normals, normals)
+    return Ridge(points + rng.normal(0.0, noise_px, (len(t), 1)) * normals, normals, SPACING_PX)
 
 
 def clutter(count: int, seed: int = 1) -> Ridge:
     """Points and directions anywhere."""
     rng = np.random.default_rng(seed)
     angle = rng.uniform(0.0, np.pi, count)
-    return Ridge(rng.uniform(0.0, 1023.0, (count, 2)), np.column_stack((np.cos(angle), np.sin(angle))))
+    return Ridge(rng.uniform(0.0, 1023.0, (count, 2)), np.column_stack((np.cos(angle), np.sin(angle))), SPACING_PX)
 
 
 def together(*ridges: Ridge) -> Ridge:
     """All points."""
-    return Ridge(np.vstack([ridge.points for ridge in ridges]), np.vstack([ridge.normals for ridge in ridges]))
+    points, normals = (np.vstack([getattr(ridge, name) for ridge in ridges]) for name in ("points", "normals"))
+    return Ridge(points, normals, SPACING_PX)
 
 
 def best_match(candidates: list[RingCandidate], wanted: Ellipse) -> float:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from vision.distortion import DistortionMap, PlateFit, fit
+from vision.distortion import DistortionMap, PlateFit
+from vision.plate_fit import fit
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,61 @@
+"""Bivariate Legendre polynomials of limited total degree: they stay well conditioned where powers do not."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def exponents(degree: int) -> NDArray[np.intp]:
+    """Degrees in x and y (m, 2) of the terms of total degree up to `degree`, in the order of their coefficients."""
+    return np.array([(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)], dtype=np.intp)
+
+
+def terms(points: Array, degree: int) -> Array:
+    """Values (n, m) of the terms at points (n, 2) of the square -1 .. 1."""
+    x, y = _ladders(points, degree)
+    i, j = exponents(degree).T
+    return np.asarray((x[i] * y[j]).T)
+
+
+def evaluate(grid: Array, points: Array) -> Array:
+    """Values (n, k) at points (n, 2) of k polynomials with a `coefficient_grid` (k, d + 1, d + 1)."""
+    x, y = _ladders(points, grid.shape[1] - 1)
+    along_y = (grid.reshape(-1, grid.shape[2]) @ y).reshape(*grid.shape[:2], -1)
+    return np.asarray(np.einsum("kin,in->nk", along_y, x))
+
+
+def differentiate(grid: Array, points: Array) -> Array:
+    """Derivatives (n, k, 2) by x and y of the polynomials of `evaluate`."""
+    x, y = _ladders(points, grid.shape[1] - 1)
+    by_x, by_y = ((grid @ y) * _slopes(x)).sum(axis=1), ((grid @ _slopes(y)) * x).sum(axis=1)
+    return np.stack((by_x.T, by_y.T), axis=2)
+
+
+def coefficient_grid(coefficients: Array, degree: int) -> Array:
+    """Coefficients (m, k) in the order of `exponents`, laid out by their degrees: (k, d + 1, d + 1)."""
+    grid = np.zeros((coefficients.shape[1], degree + 1, degree + 1))
+    i, j = exponents(degree).T
+    grid[:, i, j] = coefficients.T
+    return grid
+
+
+def _ladders(points: Array, degree: int) -> tuple[Array, Array]:
+    """Legendre polynomials (d + 1, n) of degrees 0 to d of each coordinate of points (n, 2), by Bonnet's recursion."""
+    both = np.ascontiguousarray(points.T)
+    ladder = np.ones((degree + 1, *both.shape))
+    if degree:
+        ladder[1] = both
+    for k in range(1, degree):
+        np.multiply(both, ladder[k], out=ladder[k + 1])
+        ladder[k + 1] *= (2 * k + 1) / (k + 1)
+        ladder[k + 1] -= (k / (k + 1)) * ladder[k - 1]
+    return np.ascontiguousarray(ladder[:, 0]), np.ascontiguousarray(ladder[:, 1])
+
+
+def _slopes(ladder: Array) -> Array:
+    """Derivatives (d + 1, n) of a ladder: P'(k + 1) = P'(k - 1) + (2 k + 1) P(k)."""
+    slopes = np.zeros_like(ladder)
+    for k in range(len(ladder) - 1):
+        slopes[k + 1] = (2 * k + 1) * ladder[k] + (slopes[k - 1] if k else 0.0)
+    return slopes
