@@ -109,7 +109,7 @@ class DistortionMap:
         return legendre.terms(self._normalised(points), self.degree)
 
     def _normalised(self, points: Array) -> Array:
-        return (points - np.array(self.centre_px)) / self.half_size_px
+        return np.asarray((points - np.array(self.centre_px)) / self.half_size_px)
 
     def _within_reach(self, points: Array) -> Array:
         centre, reach_px = np.array(self.centre_px), _INVERSE_REACH * self.half_size_px
