@@ -23,7 +23,10 @@ def simulate_room(
     dicom_host: Annotated[str, typer.Option(help="Where the C-arm sends its images.")] = "127.0.0.1",
     dicom_port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the DICOM receiver.")] = 11112,
     dicom_ae_title: Annotated[str, typer.Option(help="AE title of the DICOM receiver.")] = "COAXIAL",
-    truth: Annotated[Path | None, typer.Option(help="Hidden errors (TOML); what it leaves out has a default.")] = None,
+    truth: Annotated[
+        Path | None,
+        typer.Option(help="Hidden errors, and a CT as the patient (TOML); what it leaves out has a default."),
+    ] = None,
 ) -> None:
     """An operating room that speaks only real protocols: a UR5 controller, a C-arm, a prone patient, and an HTTP door.
 
@@ -35,7 +38,7 @@ def simulate_room(
     from simulator.truth import read_truth
 
     try:
-        known = read_truth(truth.read_bytes() if truth else b"")
+        known = read_truth(truth.read_bytes(), truth.parent) if truth else read_truth()
         run(arm_address, port, Destination(dicom_host, dicom_port, dicom_ae_title), known)
     except (ValueError, OSError) as error:
         sys.stderr.write(f"simulate: {error}\n")

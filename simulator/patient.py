@@ -7,14 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from simulator.carm.anatomy import Body
+from simulator.carm.anatomy import Anatomy, Body
 from simulator.carm.solids import Shape, Solid
 from simulator.carm.texture import Texture
+from simulator.frames import ROOM_FROM_PATIENT
+from simulator.pedicle import Pedicle
 from simulator.spine import LEVELS, Level, pedicle_axis, pedicle_middle, vertebra
 
 Array = NDArray[np.float64]
 
 _SKIN_Y_MM = 79.0  # of the back over the lumbar spine
+MIDDLE_OF_TARGETS_MM = (0.0, 22.9, 6.4)  # of the ten planned here, for which the arm's place was searched
 _TARGET_PAST_MIDDLE_MM = 4.0  # the planned target lies this far beyond the pedicle's narrowest place
 _TISSUE_PER_MM = 0.019
 _GAS_PER_MM = -0.42 * _TISSUE_PER_MM  # bubbles overlap
@@ -22,27 +25,26 @@ _BOWEL_LOOPS, _BUBBLES_A_LOOP = 6, 5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pedicle:
-    """A planned path, DICOM patient coordinates (LPS), mm: from the skin to inside the pedicle."""
-
-    name: str
-    entry_in_patient: Array
-    target_in_patient: Array
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Patient:
-    """Body and plan, patient frame: origin in the middle of L3's body, x left, y backwards, z to the head."""
+    """Anatomy and plan, patient frame (LPS), and how the patient lies in the room (4x4, mm)."""
 
-    body: Body
+    body: Anatomy
     pedicles: dict[str, Pedicle]
+    room_from_patient: Array
 
 
 @lru_cache(maxsize=32)
 def build_patient(seed: int) -> Patient:
-    """A patient; the seed draws bowel gas and texture, not the spine."""
+    """A patient whose origin is the middle of L3's body; the seed draws bowel gas and texture, not the spine."""
+    sides = (("left", 1.0), ("right", -1.0))
+    planned = [_plan(level, name, side) for level in LEVELS for name, side in sides]
+    return Patient(build_body(seed), {pedicle.name: pedicle for pedicle in planned}, ROOM_FROM_PATIENT)
+
+
+def build_body(seed: int) -> Body:
+    """The body of that patient."""
     bone = tuple(solid for level in LEVELS for solid in vertebra(level)) + _pelvis()
-    body = Body(
+    return Body(
         bone=bone,
         soft=(*_tissue(), *_gas(np.random.default_rng(seed))),
         bone_textures=((Texture(seed, 5.0, 0.5, 0.7), 0.10),),
@@ -51,9 +53,6 @@ def build_patient(seed: int) -> Patient:
             (Texture(seed + 2, 50.0, 0.6, 1.1), 0.05),
         ),
     )
-    sides = (("left", 1.0), ("right", -1.0))
-    planned = [_plan(level, name, side) for level in LEVELS for name, side in sides]
-    return Patient(body, {pedicle.name: pedicle for pedicle in planned})
 
 
 def _plan(level: Level, name: str, side: float) -> Pedicle:

@@ -17,10 +17,12 @@ from simulator.carm.scene import Exposure, PlacedGuide, Scene
 from simulator.carm.stand import Stand
 from simulator.cart import Cart
 from simulator.controller import ControllerControl, ControllerState
+from simulator.ct.patient import patient_of
 from simulator.devices import INTENSIFIER_FILE, read_mounting, read_nominal_carm, read_shape
 from simulator.faults import ANATOMY_SHIFT_MM, CARM_TURN_DEG, LOW_DOSE_SHARE, RoomFault
-from simulator.frames import ROOM_FROM_PATIENT, inverse
-from simulator.patient import Pedicle, build_patient
+from simulator.frames import inverse
+from simulator.patient import Patient, build_patient
+from simulator.pedicle import Pedicle
 from simulator.planted import plant
 from simulator.truth import Truth
 
@@ -44,7 +46,7 @@ class Room:
     def __init__(self, controller: ControllerControl, truth: Truth, now_s: Callable[[], float] = time.time) -> None:
         self.controller, self.truth = controller, truth
         self.nominal = read_nominal_carm(INTENSIFIER_FILE)
-        self.patient = build_patient(truth.seed)
+        self.patient = _patient(truth)
         self.planted = plant(truth, read_shape(), read_mounting().flange_from_guide, self.nominal.source_to_image_mm)
         self.faults: frozenset[RoomFault] = frozenset()
         self._lock = threading.RLock()
@@ -126,7 +128,7 @@ class Room:
             self.faults = frozenset() if fault is None else self.faults - {fault}
 
     def _stood(self, angles: Angles, pedicle: Pedicle) -> Stand:
-        target = (ROOM_FROM_PATIENT @ np.append(pedicle.target_in_patient, 1.0))[:3]
+        target = (self.patient.room_from_patient @ np.append(pedicle.target_in_patient, 1.0))[:3]
         aside = self.truth.carm.centring_error_mm * self._rng.standard_normal(3)
         return Stand(angles, target + aside, self.nominal, self.truth, self.planted)
 
@@ -154,10 +156,15 @@ class Room:
         shift = np.zeros(3) if breath_at_s is None else breathing_shift(self.truth.patient, breath_at_s)
         if RoomFault.ANATOMY_SHIFT in self.faults:
             shift = shift + np.array([ANATOMY_SHIFT_MM, 0.0, 0.0])
-        pose = ROOM_FROM_PATIENT.copy()
-        pose[:3, 3] += ROOM_FROM_PATIENT[:3, :3] @ shift
+        pose = self.patient.room_from_patient.copy()
+        pose[:3, 3] += pose[:3, :3] @ shift
         return pose
 
     def _target_in_room(self, name: str) -> Array:
         target: Array = (self._room_from_patient(None) @ np.append(self.pedicle(name).target_in_patient, 1.0))[:3]
         return target
+
+
+def _patient(truth: Truth) -> Patient:
+    """The CT that the truth names, or else the procedural spine."""
+    return build_patient(truth.seed) if truth.ct is None else patient_of(truth.ct)

@@ -6,6 +6,8 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from simulator.ct.plan import PlannedCt, read_plan
+
 DEFAULT_FILE = Path(__file__).with_name("truth.toml")
 
 
@@ -82,6 +84,7 @@ class Truth:
     patient: PatientTruth
     hand: HandTruth
     cart: CartTruth
+    ct: PlannedCt | None = None  # without one the patient has the procedural spine
 
 
 _SECTIONS: dict[str, type] = {
@@ -95,24 +98,25 @@ _SECTIONS: dict[str, type] = {
 }
 
 
-def read_truth(data: bytes = b"") -> Truth:
-    """The truth of a TOML file, completed from the default file.
+def read_truth(data: bytes = b"", folder: Path = Path()) -> Truth:
+    """The truth of a TOML file in a folder, completed from the default file.
 
     Raises
     ------
     ValueError
-        In one line, on unknown keys and on values that are no finite numbers.
+        In one line, on unknown keys, on values that are no finite numbers, on a CT without planned paths.
     """
     defaults = tomllib.loads(DEFAULT_FILE.read_text())
     try:
         given = tomllib.loads(data.decode("utf-8"))
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise ValueError(f"the truth is not a TOML file: {error}") from None
+    planned = read_plan(given.pop("ct"), folder) if "ct" in given else None
     unknown = sorted(set(given) - set(defaults))
     if unknown:
         raise ValueError(f"the truth knows no {', '.join(unknown)}")
     sections = {name: _section(name, kind, defaults[name], given.get(name, {})) for name, kind in _SECTIONS.items()}
-    return Truth(seed=_seed(given.get("seed", defaults["seed"])), **sections)
+    return Truth(seed=_seed(given.get("seed", defaults["seed"])), **sections, ct=planned)
 
 
 def _section(name: str, kind: type, defaults: dict[str, Any], given: Any) -> Any:

@@ -1,6 +1,7 @@
 """The optical depth of a body on the raw pixel grid, computed coarsely, as tissue has no edges of wire sharpness."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import cv2
 import numpy as np
@@ -17,27 +18,33 @@ STEP_PX = 2  # the body is computed for every second pixel, 0.4 mm in the patien
 _MARGIN_PX = 30.0  # by which distortion may move a solid's outline
 
 
+class Anatomy(Protocol):
+    """What stands behind the guide; the renderer asks nothing else of it."""
+
+    def depths(self, camera: Camera, source_from_patient: Array, ideal_px: Array) -> Array32:
+        """Optical depth (rows, columns) at ideal pixels (rows, columns, 2) of a grid that was raw and regular."""
+
+
 @dataclass(frozen=True, slots=True)
 class Body:
-    """What stands behind the guide: bone and soft tissue, each modulated by its textures (texture, sd)."""
+    """Anatomy of solids: bone and soft tissue, each modulated by its textures (texture, sd)."""
 
     bone: tuple[Solid, ...]
     soft: tuple[Solid, ...]
     bone_textures: tuple[tuple[Texture, float], ...]  # relative to the bone's own depth
     soft_textures: tuple[tuple[Texture, float], ...]  # added optical depth
 
-
-def body_depths(body: Body, camera: Camera, source_from_patient: Array, ideal_px: Array) -> Array32:
-    """Optical depth (rows, columns) at ideal pixels (rows, columns, 2) of a grid that was raw and regular."""
-    rotation = source_from_patient[:3, :3]
-    origin = -rotation.T @ source_from_patient[:3, 3]
-    rays = (camera.rays(ideal_px).astype(np.float32) @ rotation.astype(np.float32)).astype(np.float32)
-    bone, soft = (_sum(solids, camera, source_from_patient, origin, rays) for solids in (body.bone, body.soft))
-    for texture, share in body.bone_textures:
-        bone *= 1.0 + np.float32(share) * texture.sample(origin, rays)
-    for texture, depth in body.soft_textures:
-        soft += np.float32(depth) * texture.sample(origin, rays)
-    return bone + soft
+    def depths(self, camera: Camera, source_from_patient: Array, ideal_px: Array) -> Array32:
+        """Optical depth (rows, columns) at ideal pixels (rows, columns, 2) of a grid that was raw and regular."""
+        rotation = source_from_patient[:3, :3]
+        origin = -rotation.T @ source_from_patient[:3, 3]
+        rays = (camera.rays(ideal_px).astype(np.float32) @ rotation.astype(np.float32)).astype(np.float32)
+        bone, soft = (_sum(solids, camera, source_from_patient, origin, rays) for solids in (self.bone, self.soft))
+        for texture, share in self.bone_textures:
+            bone *= 1.0 + np.float32(share) * texture.sample(origin, rays)
+        for texture, depth in self.soft_textures:
+            soft += np.float32(depth) * texture.sample(origin, rays)
+        return bone + soft
 
 
 def enlarge(depths: Array32, columns: int, rows: int) -> Array32:

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.carm.anatomy import STEP_PX, body_depths, enlarge, window_of
+from simulator.carm.anatomy import STEP_PX, enlarge, window_of
 from simulator.carm.camera import pixel_grid
 from simulator.carm.exposing import develop
 from simulator.carm.plate import Plate
@@ -51,7 +51,7 @@ def _soft_depths(scene: Scene) -> Array32:
     ideal = scene.distortion.ideal_from_raw(pixel_grid(scene.camera, STEP_PX))
     total = np.full(ideal.shape[:2], EMPTY_DEPTH, dtype=np.float32)
     if scene.body is not None:
-        total += body_depths(scene.body, scene.camera, scene.source_from_patient, ideal)
+        total += scene.body.depths(scene.camera, scene.source_from_patient, ideal)
     for guide in scene.guides:
         add_housing(total, scene, guide, ideal)
     return total

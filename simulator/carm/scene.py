@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.carm.anatomy import Body
+from simulator.carm.anatomy import Anatomy
 from simulator.carm.camera import Camera
 from simulator.carm.distortion import NO_DISTORTION, Distortion
 from simulator.carm.guide import GuideShape
@@ -49,7 +49,7 @@ class Scene:
     distortion: Distortion = NO_DISTORTION
     plate: Plate | None = None
     intensifier: bool = True  # a round field of view; a flat panel shows all
-    body: Body | None = None
+    body: Anatomy | None = None
     source_from_patient: Array = field(default_factory=lambda: np.eye(4))
     exposure: Exposure = Exposure()
     name: str = "scene"

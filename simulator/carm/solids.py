@@ -36,6 +36,20 @@ class Solid:
         stretch = {Shape.ELLIPSOID: 1.0, Shape.CYLINDER: 1.42, Shape.BOX: 1.74}[self.shape]
         return stretch * max(self.half_mm)
 
+    def holds(self, points: Array32) -> NDArray[np.bool_]:
+        """Whether points (..., 3), patient frame, are inside: (...)."""
+        to_unit = self.patient_from_solid / np.array(self.half_mm)
+        unit = np.abs((points - np.array(self.centre_mm, dtype=np.float32)) @ to_unit.astype(np.float32))
+        match self.shape:
+            case Shape.ELLIPSOID:
+                inside = np.einsum("...i,...i->...", unit, unit) <= 1.0
+            case Shape.CYLINDER:
+                inside = (np.hypot(unit[..., 0], unit[..., 1]) <= 1.0) & (unit[..., 2] <= 1.0)
+            case Shape.BOX:
+                inside = unit.max(axis=-1) <= 1.0
+        held: NDArray[np.bool_] = inside
+        return held
+
     def depths(self, origin: Array, rays: Array32) -> Array32:
         """Optical depth (...) along rays from one origin (3,), unit directions (..., 3), patient frame."""
         to_unit = self.patient_from_solid / np.array(self.half_mm)

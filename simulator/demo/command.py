@@ -7,12 +7,12 @@ import typer
 
 demo = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 
-_FOUR = ["L3-left", "L3-right", "L4-left", "L4-right"]
-
 PedicleOption = Annotated[
     list[str] | None,
     typer.Option(
-        "--pedicle", help=f"A pedicle to place, L1-left to L5-right (repeatable). [default: {' '.join(_FOUR)}]"
+        "--pedicle",
+        help="A pedicle to place, L1-left to L5-right (repeatable). "
+        "[default: L3 and L4, both sides; with a CT all that are planned]",
     ),
 ]
 DataOption = Annotated[
@@ -25,6 +25,9 @@ StayOption = Annotated[
 FaultOption = Annotated[
     list[str] | None, typer.Option("--fault", help="Inject a fault into the room before the first target (repeatable).")
 ]
+TruthOption = Annotated[
+    Path | None, typer.Option("--truth", help="The room's hidden errors, and a CT as the patient (TOML).")
+]
 
 
 @demo.command()
@@ -34,6 +37,7 @@ def demo_command(
     port: PortOption = 0,
     stay: StayOption = False,
     fault: FaultOption = None,
+    truth: TruthOption = None,
 ) -> None:
     """Place pedicle screws in a simulated room, over the same protocols as in a real one.
 
@@ -45,4 +49,4 @@ def demo_command(
     """
     from simulator.demo.run import Wanted, run
 
-    raise typer.Exit(run(Wanted(tuple(pedicle or _FOUR), data, port, stay, tuple(fault or ()))))
+    raise typer.Exit(run(Wanted(tuple(pedicle or ()), data, port, stay, tuple(fault or ()), truth)))

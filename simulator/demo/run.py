@@ -22,6 +22,7 @@ from simulator.demo.telling import Teller, open_console
 
 _DONE, _FAILED, _INTERRUPTED = 0, 1, 130
 _ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_FOUR = ("L3-left", "L3-right", "L4-left", "L4-right")
 _LOOK_EVERY_S = 0.5
 _GONE_WITHIN_S = 1.0  # a connection breaks before its process has ended
 
@@ -30,11 +31,12 @@ _GONE_WITHIN_S = 1.0  # a connection breaks before its process has ended
 class Wanted:
     """What was asked for at the command line."""
 
-    pedicles: tuple[str, ...]
+    pedicles: tuple[str, ...]  # none: those of the default
     data: Path | None
     port: int
     stay: bool
     faults: tuple[str, ...]
+    truth: Path | None
 
 
 def run(wanted: Wanted) -> int:
@@ -46,7 +48,7 @@ def run(wanted: Wanted) -> int:
     teller = Teller(console)
     teller.about = "room"
     try:
-        with open_stage(folder, wanted.port, teller) as stage:
+        with open_stage(folder, wanted.port, wanted.truth, teller) as stage:
             _stay(stage, console) if wanted.stay else _place_all(stage, wanted, teller)
     except (DemoFailed, Refused, httpx.HTTPError, TimeoutError) as error:
         _say_failed(f"{teller.about}: {explain(error)}. Logs: {folder}")
@@ -89,6 +91,7 @@ def _place_all(stage: Stage, wanted: Wanted, teller: Teller) -> None:
 
 def _chosen(stage: Stage, names: Sequence[str]) -> list[PlannedPedicle]:
     planned = {pedicle.name: pedicle for pedicle in stage.door.pedicles()}
+    names = names or (_FOUR if planned.keys() >= set(_FOUR) else tuple(planned))
     unknown = [name for name in names if name not in planned]
     if unknown:
         raise DemoFailed("pedicle_unknown", f"{', '.join(unknown)}; there are {', '.join(planned)}")

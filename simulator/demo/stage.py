@@ -58,6 +58,7 @@ class _Plan:
     arm_address: str
     dicom_port: int
     http_port: int
+    truth: Path | None
 
     @property
     def settings(self) -> Path:
@@ -80,9 +81,9 @@ class _Plan:
 
 
 @contextmanager
-def open_stage(folder: Path, http_port: int, teller: Teller) -> Iterator[Stage]:
+def open_stage(folder: Path, http_port: int, truth: Path | None, teller: Teller) -> Iterator[Stage]:
     """Everything up; whatever was started is ended with the block. DemoFailed where something does not come up."""
-    plan = _Plan(folder, free_loopback_address(), _free_port(), http_port)
+    plan = _Plan(folder, free_loopback_address(), _free_port(), http_port, truth)
     (folder / "service").mkdir(parents=True, exist_ok=True)
     plan.write_settings()
     people = draw_people()
@@ -104,7 +105,8 @@ def _room(plan: _Plan) -> Child:
     command = coaxial(
         "simulate", "--port", "0", "--arm-address", plan.arm_address, "--dicom-port", str(plan.dicom_port)
     )
-    return Child("room", command, plan.folder / "room.log", clean_environment())
+    truth = () if plan.truth is None else ("--truth", str(plan.truth))
+    return Child("room", [*command, *truth], plan.folder / "room.log", clean_environment())
 
 
 def _service(plan: _Plan) -> Child:

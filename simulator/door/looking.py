@@ -7,8 +7,8 @@ from fastapi import APIRouter
 from scipy.spatial.transform import Rotation
 
 from simulator.devices import GUIDE_FILE, INTENSIFIER_FILE, TCP_FILE
-from simulator.patient import Pedicle
 from simulator.pedal import Pedal
+from simulator.pedicle import Pedicle
 from simulator.room import Room
 
 Json = dict[str, Any]

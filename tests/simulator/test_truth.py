@@ -1,6 +1,7 @@
 """The room's hidden errors come from a file, and none is zero by default."""
 
 from dataclasses import astuple
+from pathlib import Path
 
 import pytest
 
@@ -9,8 +10,9 @@ from simulator.truth import read_truth
 
 def test_no_default_error_is_zero() -> None:
     truth = read_truth()
-    seed, *sections = astuple(truth)
+    seed, *sections, ct = astuple(truth)
     assert seed > 0
+    assert ct is None
     assert all(value != 0.0 for section in sections for value in section)
 
 
@@ -27,6 +29,14 @@ def test_file_replaces_only_what_it_names() -> None:
     assert (truth.seed, truth.tool.translation_error_mm, truth.tool.rotation_error_deg) == (5, 2.0, 0.1)
 
 
+def test_ct_is_found_beside_its_truth_file() -> None:
+    text = b"[ct]\npath = 'a/ct.nii'\n[ct.pedicles.T12-left]\nentry_mm = [1, 2.5, 3]\ntarget_mm = [1, -2, 4]"
+    planned = read_truth(text, Path("/folder")).ct
+    assert planned.path == Path("/folder/a/ct.nii")
+    assert planned.pedicles["T12-left"].entry_in_patient.tolist() == [1.0, 2.5, 3.0]
+    assert planned.pedicles["T12-left"].target_in_patient.tolist() == [1.0, -2.0, 4.0]
+
+
 @pytest.mark.parametrize(
     "text",
     [
@@ -38,6 +48,14 @@ def test_file_replaces_only_what_it_names() -> None:
         b"tool = 3",
         b"seed = -1",
         b"seed = 1.5",
+        b"ct = 1",
+        b"[ct]\npath = 'ct.nii'",
+        b"[ct]\npath = 'ct.nii'\npedicles = {}",
+        b"[ct]\npath = 1\n[ct.pedicles.A]\nentry_mm = [1, 2, 3]\ntarget_mm = [1, 2, 4]",
+        b"[ct]\npath = 'ct.nii'\n[ct.pedicles.A]\nentry_mm = [1, 2, 3]",
+        b"[ct]\npath = 'ct.nii'\n[ct.pedicles.A]\nentry_mm = [1, 2, 3]\ntarget_mm = [1, 2]",
+        b"[ct]\npath = 'ct.nii'\n[ct.pedicles.A]\nentry_mm = [1, 2, 3]\ntarget_mm = [1, 2, inf]",
+        b"[ct]\npath = 'ct.nii'\n[ct.pedicles.A]\nentry_mm = [1, 2, 3]\ntarget_mm = [1, 2, 3]",
         b"[[",
         b"\xff",
     ],

@@ -13,7 +13,7 @@ from simulator.by_eye import guide_in_beam
 from simulator.carm.dicom import Worklist
 from simulator.carm.sending import Destination
 from simulator.controller import ControllerState, Fault, Payload, RobotMode, RuntimeState, SafetyMode
-from simulator.frames import PARKED_RAD, ROOM_FROM_BASE, ROOM_FROM_PATIENT, displacement, inverse
+from simulator.frames import PARKED_RAD, ROOM_FROM_BASE, displacement, inverse
 from simulator.kinematics import NOMINAL_UR5, base_from_flange
 from simulator.pedal import Pedal
 from simulator.room import Room
@@ -100,7 +100,7 @@ def aligned(room: Room, arm: StillArm) -> Callable[..., None]:
     """Puts the guide exactly into the beam through a pedicle, shifted and turned there as asked (guide frame)."""
 
     def align(name: str, shift_mm: tuple = (0.0, 0.0, 0.0), turn_rad: tuple = (0.0, 0.0, 0.0)) -> None:
-        target = (ROOM_FROM_PATIENT @ [*room.pedicle(name).target_in_patient, 1.0])[:3]
+        target = (room.patient.room_from_patient @ [*room.pedicle(name).target_in_patient, 1.0])[:3]
         exact = guide_in_beam(room.stand.room_from_source()[:3, 3], target)
         wanted = exact @ displacement(np.array(shift_mm), np.array(turn_rad))
         arm.put(inverse(ROOM_FROM_BASE) @ wanted @ inverse(room.planted.flange_from_guide))

@@ -82,6 +82,14 @@ def test_wrong_usage_ends_with_one_line(arguments: tuple[str, ...]) -> None:
     assert words.startswith("simulate: ")
 
 
+def test_truth_that_names_no_ct_ends_with_one_line(tmp_path: Path) -> None:
+    truth = tmp_path / "truth.toml"
+    truth.write_text('[ct]\npath = "absent.nii"\n[ct.pedicles.A]\nentry_mm = [0, 9, 0]\ntarget_mm = [0, 0, 0]\n')
+    status, words = _ended(_start("--port", "0", "--arm-address", free_loopback_address(), "--truth", str(truth)))
+    assert status == 2
+    assert words == f"simulate: no CT at {tmp_path / 'absent.nii'}\n"
+
+
 def test_taken_port_ends_with_one_line(address: str) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         status, words = _ended(_start("--port", str(taken.getsockname()[1]), "--arm-address", address))

@@ -1,0 +1,1 @@
+"""A CT as the simulated patient: read, checked, and seen by the C-arm."""
