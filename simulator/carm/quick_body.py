@@ -22,7 +22,7 @@ _STRETCH = {Shape.ELLIPSOID: 1.0, Shape.CYLINDER: 2.0**0.5, Shape.BOX: 3.0**0.5}
 
 
 def quick_body_depths(body: Body, camera: Camera, source_from_patient: Array, ideal_px: Array) -> Array32:
-    """Optical depth (rows, columns), as `anatomy.body_depths` has it."""
+    """Optical depth (rows, columns), as `Body.depths` has it."""
     focal_px = camera.source_to_image_mm / camera.pixel_mm
     x = ((ideal_px[..., 0] - camera.principal_u_px) / focal_px).astype(np.float32)
     y = ((ideal_px[..., 1] - camera.principal_v_px) / focal_px).astype(np.float32)

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.carm.anatomy import STEP_PX, enlarge
+from simulator.carm.anatomy import STEP_PX, Body, enlarge
 from simulator.carm.camera import pixel_grid
 from simulator.carm.exposing import develop
 from simulator.carm.quick_body import quick_body_depths
@@ -35,8 +35,10 @@ def _soft_depths(scene: Scene) -> Array32:
     """Body and housings, on the coarse grid."""
     ideal = scene.distortion.ideal_from_raw(pixel_grid(scene.camera, STEP_PX))
     total = np.full(ideal.shape[:2], EMPTY_DEPTH, dtype=np.float32)
-    if scene.body is not None:
+    if isinstance(scene.body, Body):
         total += quick_body_depths(scene.body, scene.camera, scene.source_from_patient, ideal)
+    elif scene.body is not None:
+        total += scene.body.depths(scene.camera, scene.source_from_patient, ideal)
     for guide in scene.guides:
         add_housing(total, scene, guide, ideal)
     return total
