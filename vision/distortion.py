@@ -165,10 +165,21 @@ class DistortionMap:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FittedBalls:
-    """Balls that a map was fitted to: raw (n, 2), their places on the corrected grid (n, 2), which were kept (n,)."""
+    """Balls that a map was fitted to.
+
+    Attributes
+    ----------
+    raw, corrected : Array
+        (n, 2) each: where they were seen, and their places on the corrected grid.
+    residual_px : Array
+        (n, 2): where the map takes them, from those places.
+    kept : NDArray[np.bool_]
+        (n,): those that the map rests on.
+    """
 
     raw: Array
     corrected: Array
+    residual_px: Array
     kept: NDArray[np.bool_]
 
 
@@ -201,4 +212,4 @@ def exact(distortion: DistortionMap) -> PlateFit:
     """A map that is known, not fitted."""
     terms = len(legendre.exponents(distortion.degree))
     none = np.zeros((0, 2))
-    return PlateFit(distortion, np.zeros((terms, terms)), none, FittedBalls(none, none, np.zeros(0, dtype=bool)))
+    return PlateFit(distortion, np.zeros((terms, terms)), none, FittedBalls(none, none, none, np.zeros(0, dtype=bool)))

@@ -53,7 +53,8 @@ def fit(raw: Array, lattice: Array, rows: int, columns: int, spacing_mm: float) 
     pixel_size_mm = spacing_mm / spacing_px
     fitted = DistortionMap(centre, half_size_px, degree, coefficients, int(kept.sum()), rms_px, pixel_size_mm)
     sites = _invertible(fitted, _places_in(lattice, corrected, rows, columns))
-    return PlateFit(fitted, variance * inverse, sites, FittedBalls(raw, corrected, kept))
+    balls = FittedBalls(raw, corrected, fitted.corrected_from_raw(raw) - corrected, kept)
+    return PlateFit(fitted, variance * inverse, sites, balls)
 
 
 def _solved(terms: Array, wanted: Array) -> tuple[Array, Array]:

@@ -23,10 +23,23 @@ _SAME_WITHIN_RAD = math.radians(3.0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Search:
-    """One search through an image: rings, the views that were tried, and the one that passed or why none did."""
+    """One search through an image.
+
+    Attributes
+    ----------
+    candidates : Candidates
+        Rings, and the first views made of them.
+    attempts : list[Attempt]
+        What became of each first view.
+    passed : list[Attempt]
+        Those that passed, no two of them the same view.
+    outcome : Solution or Refusal
+        The only one that passed, or why there is none.
+    """
 
     candidates: Candidates
     attempts: list[Attempt]
+    passed: list[Attempt]
     outcome: Solution | Refusal
 
 
@@ -41,9 +54,10 @@ def search(image: CorrectedImage, scene: Scene, carm: CArm) -> Search:
 def _search(image: CorrectedImage, scene: Scene, carm: CArm, effort: Effort) -> Search:
     candidates = find_candidates(image, scene.guide, carm, scene.priors, scene.reader, effort)
     if isinstance(candidates.views, Refusal):
-        return Search(candidates, [], candidates.views)
+        return Search(candidates, [], [], candidates.views)
     attempts = [_attempt(first, scene, image) for first in candidates.views]
-    return Search(candidates, attempts, _only_solution(attempts))
+    passed = _passed(attempts)
+    return Search(candidates, attempts, passed, _only_outcome(passed, attempts))
 
 
 def _attempt(first: FirstView, scene: Scene, image: CorrectedImage) -> Attempt:
@@ -51,18 +65,21 @@ def _attempt(first: FirstView, scene: Scene, image: CorrectedImage) -> Attempt:
     return solve(first, scene) if refusal is None else Attempt(first, None, refusal)
 
 
-def _only_solution(attempts: list[Attempt]) -> Solution | Refusal:
-    """The one view that passed; the best supported view's refusal where none did, `ambiguous` where two did."""
-    refusals: list[Refusal] = []
-    solutions: list[Solution] = []
-    for attempt in attempts:
-        if isinstance(attempt.outcome, Refusal):
-            refusals.append(attempt.outcome)
-        elif not any(_same(attempt.outcome, other) for other in solutions):
-            solutions.append(attempt.outcome)
-    if len(solutions) > 1:
-        return Refusal(RefusalCode.AMBIGUOUS, "guides seen in the image", len(solutions), 1)
-    return solutions[0] if solutions else refusals[0]
+def _passed(attempts: list[Attempt]) -> list[Attempt]:
+    """Those that passed, the first of each view."""
+    passed: dict[int, Solution] = {}
+    for index, attempt in enumerate(attempts):
+        outcome = attempt.outcome
+        if isinstance(outcome, Solution) and not any(_same(outcome, other) for other in passed.values()):
+            passed[index] = outcome
+    return [attempts[index] for index in passed]
+
+
+def _only_outcome(passed: list[Attempt], attempts: list[Attempt]) -> Solution | Refusal:
+    """That of the one view that passed; the best supported view's refusal where none did, `ambiguous` where two did."""
+    if len(passed) > 1:
+        return Refusal(RefusalCode.AMBIGUOUS, "guides seen in the image", len(passed), 1)
+    return (passed or attempts)[0].outcome
 
 
 def _judged_first(first: FirstView, guide: Guide, image: CorrectedImage) -> Refusal | None:

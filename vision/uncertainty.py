@@ -19,6 +19,7 @@ from vision.registered import DEFAULT_DEPTH_MM, PredictedError
 Array = NDArray[np.float64]
 
 _CONFIDENCE = 0.95
+CHI_SQUARE_95 = 5.991  # of 2 degrees of freedom: squared standard deviations of the ellipse that holds 95 %
 # Steps of the central differences: alpha_x, alpha_y, u0, v0 in px, rotation in rad, translation in mm.
 _STEPS = np.array([1e-2] * 4 + [1e-5] * 3 + [1e-3] * 3)
 
@@ -57,6 +58,17 @@ def alignment_bounds(
 
     The arguments are those of `predicted_error`; the identity for `guide_from_axis` is the guide where it was seen.
     """
+    spread = aim_covariance(view, covariance, guide, pixel_corrected, depth_mm, guide_from_axis)
+    return PredictedError(radius_95(spread[:3, :3]), radius_95(spread[3:, 3:]), depth_mm)
+
+
+def aim_covariance(
+    view: View, covariance: Array, guide: Guide, pixel_corrected: Array, depth_mm: float, guide_from_axis: Array
+) -> Array:
+    """Covariance (6, 6) of the angle vector (rad) and the position vector (mm) of an axis, source frame.
+
+    The arguments are those of `alignment_bounds`.
+    """
     jacobian = _jacobian(view, guide, pixel_corrected, depth_mm, guide_from_axis)
     spread = jacobian @ covariance @ jacobian.T
     axis = view.source_from_guide[:3, :3] @ guide_from_axis[:3, 2]
@@ -64,11 +76,9 @@ def alignment_bounds(
     # the bore's offset at the big ring against the small one tilts it about the small ring's centre
     tilt_sd_rad = guide.tolerance.bore_concentricity_sd_mm / guide.separation_mm
     offset_sd_mm = tilt_sd_rad * (guide.separation_mm + depth_mm)
-    return PredictedError(
-        angle_rad=radius_95(spread[:3, :3] + tilt_sd_rad**2 * across),
-        position_mm=radius_95(spread[3:, 3:] + offset_sd_mm**2 * across),
-        depth_mm=depth_mm,
-    )
+    spread[:3, :3] += tilt_sd_rad**2 * across
+    spread[3:, 3:] += offset_sd_mm**2 * across
+    return np.asarray(spread)
 
 
 def radius_95(covariance: Array) -> float:

@@ -44,7 +44,8 @@ def _numbers(text: str, count: int) -> tuple[float, ...]:
     return values
 
 
-def _pair(text: str) -> tuple[float, ...]:
+def pair(text: str) -> tuple[float, ...]:
+    """Two numbers of an option, separated by a comma."""
     return _numbers(text, 2)
 
 
@@ -55,7 +56,7 @@ def _triple(text: str) -> tuple[float, ...]:
 GuideOption = Annotated[Path, typer.Option("--guide", help="The guide's TOML file.")]
 CArmOption = Annotated[Path, typer.Option("--carm", help="The C-arm's TOML file.")]
 FrameOption = Annotated[int | None, typer.Option("--frame", min=1, help="Which frame of a DICOM image, from 1.")]
-PixelOption = Annotated[Any, typer.Option("--pixel", parser=_pair, metavar="U,V", help="The target's pixel.")]
+PixelOption = Annotated[Any, typer.Option("--pixel", parser=pair, metavar="U,V", help="The target's pixel.")]
 SpaceChoice = Annotated[SpaceOption, typer.Option("--space", help="The grid in which the pixel was picked.")]
 DepthOption = Annotated[float, typer.Option("--depth-mm", help="Depth of the target below the big ring, mm.")]
 

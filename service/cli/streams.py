@@ -72,6 +72,15 @@ def print_refusal(refusal: "Refusal", image: Mapping[str, Any]) -> None:
     print_line({"status": "refused", "image": dict(image)} | refusal_to_json(refusal))
 
 
+def write_file(path: Path, data: bytes) -> None:
+    """Write a file, its folder made where missing; ends the command with one line where that cannot be done."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data)
+    except OSError as error:
+        _end_unusable(path, error.strerror or error)
+
+
 def _read(path: Path) -> bytes:
     try:
         return path.read_bytes()

@@ -1,0 +1,99 @@
+"""`coaxial inspect`: what was found in images, as pictures and one page to look at, of refused ones too."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from service.cli.geometry import CArmOption, DepthOption, FrameOption, GuideOption, SpaceOption, pair
+from service.cli.inspection_page import Entry, page
+from service.cli.streams import print_line, print_refusal, read_device, read_image, write_file
+
+if TYPE_CHECKING:
+    from vision.inspection import Inspection
+    from vision.refusal import Refusal
+
+inspect = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+
+_TargetOption = Annotated[Any, typer.Option("--pixel", parser=pair, metavar="U,V", help="A target to aim at.")]
+
+
+@inspect.command()
+def inspect_command(
+    images: Annotated[list[Path], typer.Argument(metavar="IMAGE...", help="PNG, TIFF or DICOM images.")],
+    guide: GuideOption,
+    carm: CArmOption,
+    out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Where pictures and index.html go.")],
+    target: _TargetOption = None,
+    space: Annotated[SpaceOption, typer.Option("--space", help="The grid of --pixel.")] = SpaceOption.RAW,
+    depth_mm: DepthOption = 80.0,
+    frame: FrameOption = None,
+) -> None:
+    """Draw what was found in each image, refused or not; one JSON line per image, and a page of all."""
+    from vision.devices import read_carm, read_guide
+    from vision.drawing import draw, png
+    from vision.inspection import inspect as inspect_findings
+    from vision.refusal import Refusal
+    from vision.registered import PixelSpace
+    from vision.registration import examine
+
+    guide_file, carm_file = read_device(guide, read_guide), read_device(carm, read_carm)
+    entries: list[Entry] = []
+    for number, path in enumerate(images, 1):
+        identity, image = read_image(path, frame)
+        if isinstance(image, Refusal):
+            print_refusal(image, identity)
+            entries.append(_refused(path, image))
+            continue
+        findings = examine(image, guide_file, carm_file)
+        inspection = inspect_findings(image, guide_file, findings, target, PixelSpace(space), depth_mm)
+        picture = f"{number:03d}-{path.stem}.png"
+        write_file(out / picture, png(draw(inspection)))
+        print_line(_to_json(inspection) | {"image": identity, "picture": picture})
+        entries.append(replace(_entry(path, inspection), picture=picture))
+    write_file(out / "index.html", page(entries).encode())
+
+
+def _to_json(inspection: "Inspection") -> dict[str, Any]:
+    from vision.inspection import Aim
+    from vision.refusal import Refusal
+    from vision.result_json import predicted_error_to_json, refusal_to_json
+
+    result = inspection.result
+    if isinstance(result, Refusal):
+        return refusal_to_json(result)
+    bounds = inspection.aim.bounds_95 if isinstance(inspection.aim, Aim) else result.predicted_error_95
+    return {
+        "status": "registered",
+        "residual_rms_px": result.residual_rms_px,
+        "balls": result.distortion.balls,
+        "predicted_error_95": predicted_error_to_json(bounds),
+    }
+
+
+def _entry(path: Path, inspection: "Inspection") -> Entry:
+    from vision.drawing import summary
+    from vision.inspection import Aim
+    from vision.refusal import Refusal
+
+    result, aim = inspection.result, inspection.aim
+    balls = None if inspection.balls is None else int(inspection.balls.kept.sum())
+    if isinstance(result, Refusal):
+        return replace(_refused(path, result), balls=balls)
+    bounds = aim.bounds_95 if isinstance(aim, Aim) else result.predicted_error_95
+    aside = f". No target drawn: {aim.message}" if isinstance(aim, Refusal) else ""
+    return Entry(
+        name=str(path),
+        code="registered",
+        message=summary(inspection) + aside,
+        residual_px=result.residual_rms_px,
+        balls=balls,
+        angle_deg=math.degrees(bounds.angle_rad),
+        position_mm=bounds.position_mm,
+    )
+
+
+def _refused(path: Path, refusal: "Refusal") -> Entry:
+    return Entry(str(path), refusal.code.value, refusal.message, refusal.measured, refusal.limit)

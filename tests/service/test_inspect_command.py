@@ -1,0 +1,79 @@
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+from service.cli.inspection_page import Entry, page
+from service.cli.main import app
+from simulator.carm.drawing import random_scene
+from simulator.carm.render import render
+
+_DEVICES = Path(__file__).parents[1] / "devices"
+
+
+class Reading(HTMLParser):
+    """What a browser would be sent to fetch, and the words that it would show."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.fetched: list[str] = []
+        self.words: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.fetched += [value for name, value in attrs if name in ("src", "href") and value is not None]
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data.strip())
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An image with a guide, the same mirrored, and a file that is no image."""
+    path = tmp_path_factory.mktemp("inspected")
+    image = render(random_scene(30, "flat"), 30).pixels
+    cv2.imwrite(str(path / "image.png"), image)
+    cv2.imwrite(str(path / "flipped.png"), np.fliplr(image))
+    (path / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\nno more")
+    return path
+
+
+def run(folder: Path, out: Path, *more: str) -> Result:
+    """`coaxial inspect` on all images of the folder."""
+    images = [str(folder / name) for name in ("image.png", "flipped.png", "broken.png")]
+    devices = ["--guide", str(_DEVICES / "guide.toml"), "--carm", str(_DEVICES / "flat-panel.toml")]
+    return CliRunner().invoke(app, ["inspect", *images, *devices, "--out", str(out), *more])
+
+
+def test_every_image_is_on_the_page_the_refused_too(folder: Path, tmp_path: Path) -> None:
+    result = run(folder, tmp_path / "new" / "out", "--pixel", "500,480")
+    assert result.exit_code == 0, result.output
+    good, flipped, broken = map(json.loads, result.stdout.splitlines())
+    assert good["status"] == "registered"
+    assert flipped["reason"]["code"] == "mirrored"
+    assert broken["reason"]["code"] == "unreadable_image"
+    assert "picture" not in broken
+    reading = Reading((tmp_path / "new" / "out" / "index.html").read_text())
+    assert {"registered", "mirrored", "unreadable_image"} <= set(reading.words)
+    pictures = {name for name in reading.fetched if name.endswith(".png")}
+    assert pictures == {good["picture"], flipped["picture"]}
+    for name in pictures:
+        assert cv2.imread(str(tmp_path / "new" / "out" / name)).shape[1] == 2000
+
+
+def test_a_page_fetches_nothing_from_elsewhere_and_shows_names_as_they_are() -> None:
+    name = '<script src="http://elsewhere/">"&.png'
+    reading = Reading(page([Entry(name, "mirrored", "<b>", 3.0, 20.0, picture="001-a b.png")]))
+    assert name in reading.words
+    assert set(reading.fetched) == {"#image-1", "001-a b.png"}
+
+
+def test_a_folder_that_cannot_be_made_ends_with_one_line(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    result = run(folder, tmp_path / "file" / "out")
+    assert result.exit_code == 2
+    assert len(result.stderr.splitlines()) == 1
