@@ -27,15 +27,13 @@ check: $(VENV)/.test  ## formatting, lint, types, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-# What keeps real time (the arm's 125 Hz, a heartbeat's 200 ms) is run alone: beside others it would measure them.
-REAL_TIME := tests/simulator/test_controller*.py
-
+# What keeps real time (the arm's 125 Hz, a heartbeat's 200 ms) mostly waits: two files at a time disturb one another
+# little, calculations beside them would.
 tests: $(VENV)/.test
 	@for need in dcmtk:storescu postgresql:pg_lsclusters; do command -v $${need#*:} >/dev/null || \
 	  { echo "missing Debian package: apt-get install $${need%:*}"; exit 1; }; done
-	$(BIN)/python -m pytest -n 2 --ignore=tests/robot --ignore=tests/system --ignore-glob='$(REAL_TIME)'
-	$(BIN)/python -m pytest tests/robot $(REAL_TIME)
-	$(BIN)/python -m pytest tests/system
+	$(BIN)/python -m pytest -n 2 -m "not real_time"
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m real_time
 
 samples: $(VENV)/.runtime  ## register, flip and turn the images of SAMPLES=folder against their truth
 	$(BIN)/python benchmarks/samples.py $(SAMPLES)

@@ -12,6 +12,8 @@ from robot.guard.client import GuardClient, GuardConfig
 from robot.guard.messages import Heartbeat, Phase
 from simulator.controller import ControllerProcess, ControllerSettings, Fault, free_loopback_address
 
+pytestmark = pytest.mark.real_time
+
 
 def test_guard_without_a_controller_says_so_and_finds_it_when_it_comes(make_bench, tmp_path: Path) -> None:
     address = free_loopback_address()

@@ -14,6 +14,8 @@ from robot.guard.journal import EVENTS_FILE, read_lines
 from robot.guard.messages import Fault, FaultKind, Phase
 from simulator.controller import ControllerProcess
 
+pytestmark = pytest.mark.real_time
+
 WATCHDOG_S = 0.4  # 2.5 Hz
 SCRIPT = Path(__file__).with_name("holding_parent.py")
 

@@ -11,6 +11,8 @@ from robot.guard.messages import EndCause, Heartbeat, MotionEnded, MotionStarted
 from robot.refusal import RefusalCode
 from simulator.controller import Fault
 
+pytestmark = pytest.mark.real_time
+
 STOP_S = 0.05  # from its cause to the wire; a few ms on an idle machine, and the tests run beside others
 
 

@@ -23,6 +23,8 @@ from robot.refusal import RefusalCode
 from simulator.controller import Fault as Planted
 from simulator.controller import Payload, PowerAction
 
+pytestmark = pytest.mark.real_time
+
 
 def refused(bench, order: BeginMove, code: RefusalCode) -> MoveRefused:
     """Ask for a motion that must be refused without a packet of it."""

@@ -10,6 +10,8 @@ import pytest
 from simulator.controller import Fault
 from simulator.controller.addresses import RTDE_PORT
 
+pytestmark = pytest.mark.real_time
+
 GOAL = [-0.4869, -0.10915, 0.411859, 2.221441469079183, 2.221441469079183, 0.0]
 
 

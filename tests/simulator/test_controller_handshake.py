@@ -10,6 +10,8 @@ import pytest
 from simulator.controller import ControllerProcess, ControllerSettings
 from simulator.controller.addresses import PORTS, RTDE_PORT
 
+pytestmark = pytest.mark.real_time
+
 GOAL = [-0.4869, -0.10915, 0.40, 2.221441, 2.221441, 0.0]
 
 

@@ -8,6 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from simulator.controller import ArmTruth
 
+pytestmark = pytest.mark.real_time
+
 START = [-0.4869, -0.10915, 0.431859, 2.221441469079183, 2.221441469079183, 0.0]
 LOWER = [-0.4769, -0.10915, 0.411859, 2.221441469079183, 2.221441469079183, 0.0]
 CYCLE_S = 0.008

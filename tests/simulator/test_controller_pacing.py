@@ -4,6 +4,8 @@ import pytest
 
 from simulator.controller.pacing import Pacing
 
+pytestmark = pytest.mark.real_time
+
 
 class Clock:
     def __init__(self):

@@ -12,6 +12,8 @@ from simulator.controller.addresses import DASHBOARD_PORT, PORTS, RTDE_PORT
 from simulator.controller.codec import from_json, to_json
 from simulator.controller.state import WireRecord
 
+pytestmark = pytest.mark.real_time
+
 
 @pytest.mark.parametrize(
     "value",

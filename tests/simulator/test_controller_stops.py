@@ -7,6 +7,8 @@ import pytest
 
 from simulator.controller import Fault, PowerAction, RobotMode, RuntimeState, SafetyMode, WatchdogOutcome
 
+pytestmark = pytest.mark.real_time
+
 START = [-0.4869, -0.10915, 0.431859, 2.221441469079183, 2.221441469079183, 0.0]
 FAR = [-0.4869, -0.10915, 0.331859, 2.221441469079183, 2.221441469079183, 0.0]
 UNLOCK_DELAY_S = 5.0

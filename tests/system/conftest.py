@@ -40,6 +40,13 @@ TARGETS = [
 CASE = {"patient_id": "P1", "study_uid": "1.2.3", "position": "prone", "targets": TARGETS}
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Whatever drives the whole system keeps its time."""
+    for item in items:
+        if item.path.is_relative_to(Path(__file__).parent):
+            item.add_marker(pytest.mark.real_time)
+
+
 @pytest.fixture(scope="module")
 def controller() -> Iterator[ControllerProcess]:
     """A controller whose installation agrees with the tool file."""
