@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from service.cli.registering import Job, answers
 from service.cli.streams import REFUSED, print_line, print_refusal, read_device, read_image, read_registration
 
 
@@ -78,21 +79,12 @@ def register_command(
 ) -> None:
     """Find the guide in each image: intrinsics and pose, one JSON line per image."""
     from vision.devices import read_carm, read_guide
-    from vision.refusal import Refusal
-    from vision.registered import Method
-    from vision.registration import register as register_image
-    from vision.registration_json import to_json
 
     guide_file, carm_file = read_device(guide, read_guide), read_device(carm, read_carm)
     refused = False
-    for path in images:
-        identity, image = read_image(path, frame)
-        result = image if isinstance(image, Refusal) else register_image(image, guide_file, carm_file, Method(method))
-        if isinstance(result, Refusal):
-            refused = True
-            print_refusal(result, identity)
-        else:
-            print_line(to_json(result, str(path)))
+    for answer in answers([Job(path, frame, guide_file, carm_file, method.value) for path in images]):
+        refused |= answer.is_refused
+        print_line(answer.line)
     if refused:
         raise typer.Exit(REFUSED)
 

@@ -67,9 +67,14 @@ def print_line(result: Mapping[str, Any]) -> None:
 
 def print_refusal(refusal: "Refusal", image: Mapping[str, Any]) -> None:
     """One refusal on a line of stdout, with the image that it concerns."""
+    print_line(refusal_line(refusal, image))
+
+
+def refusal_line(refusal: "Refusal", image: Mapping[str, Any]) -> dict[str, Any]:
+    """The JSON object of a refusal, with the image that it concerns."""
     from vision.result_json import refusal_to_json
 
-    print_line({"status": "refused", "image": dict(image)} | refusal_to_json(refusal))
+    return {"status": "refused", "image": dict(image)} | refusal_to_json(refusal)
 
 
 def write_file(path: Path, data: bytes) -> None:

@@ -164,6 +164,26 @@ def test_flipped_image_is_refused_as_mirrored_and_the_others_are_still_registere
     assert set(lines[2]["reason"]) == {"code", "message", "measured", "limit"}
 
 
+def test_many_images_are_answered_in_their_order_with_progress_beside_them(folder: Path) -> None:
+    names = ("blank.png", "image.png", "broken.png", "blank.png", "image.png")
+    result = run("register", *(folder / name for name in names), *devices(folder))
+    assert result.exit_code == 3
+    lines = [json.loads(line) for line in result.stdout.splitlines()]
+    assert [Path(line["image"]["path"]).name for line in lines] == list(names)
+    assert [line["status"] for line in lines] == ["refused", "registered", "refused", "refused", "registered"]
+    assert "5 of 5 images" in result.stderr
+    # which process worked on an image changes nothing but the time it took
+    (first, second) = ({k: v for k, v in lines[i].items() if k != "elapsed_ms"} for i in (1, 4))
+    assert first == second
+
+
+def test_a_missing_image_among_many_ends_with_status_2_after_the_lines_before_it(folder: Path) -> None:
+    names = ("blank.png", "broken.png", "none.png", "blank.png", "blank.png")
+    result = run("register", *(folder / name for name in names), *devices(folder))
+    assert result.exit_code == 2
+    assert [Path(json.loads(line)["image"]["path"]).name for line in result.stdout.splitlines()] == list(names[:2])
+
+
 def test_refused_image_refuses_its_evaluation(folder: Path) -> None:
     result = run("evaluate", folder / "blank.png", *devices(folder), "--pixel", "500,500", "--space", "raw")
     assert result.exit_code == 3

@@ -1,0 +1,86 @@
+"""Registering many images: on all cores, answered in the order in which they were given."""
+
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from service.cli.streams import read_image, refusal_line
+
+if TYPE_CHECKING:
+    from vision.devices import CArm, Guide
+
+_LEAST_IMAGES = 4  # for which starting processes, a second each, pays
+_PROGRESS_STEPS = 10
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One image and what to register it with."""
+
+    path: Path
+    frame: int | None
+    guide: "Guide"
+    carm: "CArm"
+    method: str
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The JSON object of one image, and whether it is a refusal."""
+
+    line: dict[str, Any]
+    is_refused: bool
+
+
+def answers(jobs: Sequence[Job]) -> Iterator[Answer]:
+    """The answer to each job, in their order; progress on stderr where there are many.
+
+    Raises
+    ------
+    typer.Exit
+        At the first image whose file cannot be read, as one line on stderr tells.
+    """
+    processes = min(_cores(), len(jobs))
+    if len(jobs) < _LEAST_IMAGES or processes < 2:
+        yield from map(answer, jobs)
+        return
+    with ProcessPoolExecutor(processes, get_context("spawn"), initializer=_use_one_core) as pool:
+        step = max(1, len(jobs) // _PROGRESS_STEPS)
+        for done, result in enumerate(pool.map(answer, jobs), start=1):
+            yield result
+            if done % step == 0:
+                typer.echo(f"{done} of {len(jobs)} images", err=True)
+
+
+def answer(job: Job) -> Answer:
+    """Register one image."""
+    from vision.refusal import Refusal
+    from vision.registered import Method
+    from vision.registration import register
+    from vision.registration_json import to_json
+
+    identity, image = read_image(job.path, job.frame)
+    result = image if isinstance(image, Refusal) else register(image, job.guide, job.carm, Method(job.method))
+    if isinstance(result, Refusal):
+        return Answer(refusal_line(result, identity), True)
+    return Answer(to_json(result, str(job.path)), False)
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _use_one_core() -> None:
+    """Leave the other cores to the other processes; the linear algebra reads its variable when it is loaded."""
+    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    import cv2
+
+    cv2.setNumThreads(1)
