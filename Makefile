@@ -8,7 +8,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests samples scenes faulted format docs lock
+.PHONY: help demo run test check tests bench samples scenes faulted format docs lock
 
 help:  ## this list
 	@grep -hE '^[a-z]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -34,6 +34,9 @@ tests: $(VENV)/.test
 	  { echo "missing Debian package: apt-get install $${need%:*}"; exit 1; }; done
 	$(BIN)/python -m pytest -n 2 -m "not real_time"
 	$(BIN)/python -m pytest -n 2 --dist loadfile -m real_time
+
+bench: $(VENV)/.runtime  ## time register against OpenCV on the images of SAMPLES=folder, or on rendered ones; memory, both cores
+	$(BIN)/python benchmarks/speed.py $(SAMPLES)
 
 samples: $(VENV)/.runtime  ## register, flip and turn the images of SAMPLES=folder against their truth
 	$(BIN)/python benchmarks/samples.py $(SAMPLES)
