@@ -47,9 +47,9 @@ def sample_line(line: Line) -> Array:
     Returns
     -------
     (samples, 4, 4), mm
-        base_from_sample; at least two, at most 2 mm and 0.5 deg apart.
+        base_from_sample; at least three, at most 2 mm and 0.5 deg apart.
     """
-    count = 1 + max(1, int(np.ceil(line.length_mm / _STEP_MM)), int(np.ceil(line.angle_rad / _STEP_RAD)))
+    count = 1 + max(2, int(np.ceil(line.length_mm / _STEP_MM)), int(np.ceil(line.angle_rad / _STEP_RAD)))
     shares = np.linspace(0.0, 1.0, count)
     start, goal = line.base_from_start, line.base_from_goal
     turn = Rotation.from_matrix(start[:3, :3].T @ goal[:3, :3]).as_rotvec()

@@ -15,6 +15,7 @@ class RefusalCode(StrEnum):
     JOINT_SPEED = "joint_speed"
     PATH_TOO_LONG = "path_too_long"
     MODEL_MISMATCH = "model_mismatch"
+    KEEP_OUT = "keep_out"
     # guard, before a motion
     GUARD_HELD = "guard_held"
     MOTION_RUNNING = "motion_running"
@@ -27,6 +28,8 @@ class RefusalCode(StrEnum):
     TCP_MISMATCH = "tcp_mismatch"
     PAYLOAD_MISMATCH = "payload_mismatch"
     SPEED_ABOVE_CAP = "speed_above_cap"
+    ACCELERATION_ABOVE_CAP = "acceleration_above_cap"
+    MOVE_TOO_FAR = "move_too_far"
     STOPPED = "stopped"
     JOURNAL_UNWRITABLE = "journal_unwritable"
     CONTROLLER_REFUSED = "controller_refused"

@@ -61,7 +61,7 @@ class Coaxial:
         return self.get("/status")
 
     def upload_device(self, kind: str, file: bytes) -> Json:
-        """Store a device file: kind guide, carm or tcp."""
+        """Store a device file: kind guide, carm, tcp or room."""
         return self._answer(self._http.post(f"/devices/{kind}", content=file)).json()  # type: ignore[no-any-return]  # JSON
 
     def open_case(self, case: Json) -> "Case":

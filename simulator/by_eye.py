@@ -9,7 +9,7 @@ from simulator.truth import HandTruth
 
 Array = NDArray[np.float64]
 
-GUIDE_FROM_SOURCE_MM = 750.0  # 25 cm below the intensifier
+GUIDE_FROM_SOURCE_MM = 765.0  # the big ring a hand's width above the back, 23 cm below the intensifier
 _ROBOT_TO_PATIENT = np.array([0.0, -1.0, 0.0])  # the guide's x points away from the arm, room frame
 
 

@@ -10,14 +10,14 @@ Array = NDArray[np.float64]
 ROOM_FROM_PATIENT = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 
 # Beside the table at the patient's left hip; searched for, so that every planned path can be reached from the parked
-# pose along a straight line, far from every singularity (smallest singular value 0.26 of the wrist-normalised
-# Jacobian, limit of the path check 0.05).
+# pose in straight lines, far from every singularity (smallest singular value 0.17 at the flange with lengths in units
+# of 850 mm, limit of the path check 0.05) and with forearm and wrist 45 mm or more from patient and C-arm.
 ROOM_FROM_BASE = np.array(
-    [[1.0, 0.0, 0.0, -350.0], [0.0, 1.0, 0.0, 640.0], [0.0, 0.0, 1.0, -50.0], [0.0, 0.0, 0.0, 1.0]]
+    [[1.0, 0.0, 0.0, 90.0], [0.0, 1.0, 0.0, 710.0], [0.0, 0.0, 1.0, -240.0], [0.0, 0.0, 0.0, 1.0]]
 )
 
 # The guide upright 24 cm to the patient's left of the spine, out of every image, at its working height.
-PARKED_RAD = tuple(float(angle) for angle in np.deg2rad([138.228, -60.605, 126.878, 113.727, -138.228, 0.0]))
+PARKED_RAD = tuple(float(angle) for angle in np.deg2rad([-86.217, -75.712, -136.772, 32.484, 86.217, 0.0]))
 
 
 def inverse(pose: Array) -> Array:

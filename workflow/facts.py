@@ -104,7 +104,7 @@ class TargetConfirmed:
 
 @dataclass(frozen=True, slots=True)
 class PlanRequested:
-    """A path that was checked by the robot package (H11), and what it was made from."""
+    """A path that was checked by the robot package (H11, H12), and what it was made from."""
 
     plan_id: str
     kind: PlanKind
@@ -115,6 +115,12 @@ class PlanRequested:
     rotation_rad: float
     speed_mm_s: float
     speed_rad_s: float
+    acceleration_mm_s2: float
+    # The smallest on the path (H11), and the clearance from what is in the room against what was asked for (H12).
+    joint_margin_rad: float | None
+    smallest_singular_value: float | None
+    clearance_mm: float | None
+    clearance_needed_mm: float | None
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from workflow import arm_interlocks as arm
 from workflow import image_interlocks as image
 from workflow import motion_interlocks as motion
+from workflow import path_interlocks as path
 from workflow import verification_interlocks as verification
 from workflow.checks import Interlock
 from workflow.inquiry import Inquiry
@@ -46,7 +47,7 @@ REQUIRED: dict[Trigger, tuple[Interlock, ...]] = {
     Trigger.NEWEST_IMAGE_REUSED: (image.NEWEST_IMAGE, image.GUIDE_IN_IMAGE, *_POSE_KEPT),
     Trigger.REGISTRATION_COMPLETED: _REGISTRATION,
     Trigger.TARGET_CONFIRMED: (image.IMAGE_AGE, image.TARGET_ECHO, image.TARGET_IMAGE, image.TARGET_REGISTRATION),
-    Trigger.PLAN_REQUESTED: (motion.PLAN_PLAUSIBLE, motion.PLAN_PARENTS),
+    Trigger.PLAN_REQUESTED: (motion.PLAN_PLAUSIBLE, motion.PLAN_PARENTS, *path.ALL),
     Trigger.MOVE_APPROVED: (
         motion.PLAN_CURRENT,
         motion.SURGEON,

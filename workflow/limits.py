@@ -43,11 +43,17 @@ class Limits:
     scale_error: float = 0.1  # relative: a C-arm file that is off by more is another C-arm's
     fiducials: int = 12  # of the guide
     residual_rms_px: float = 1.0
-    # H09, edges of plausibility: a UR5 reaches 850 mm; near the patient it is capped at 20 mm/s and 5 deg/s (H12).
-    path_length_mm: float = 850.0
-    path_angle_rad: float = math.pi
+    # H11, those of the path check itself.
+    joint_margin_rad: float = math.radians(5.0)
+    smallest_singular_value: float = 0.05  # of the Jacobian at the flange, lengths in units of the reach
+    # H12: what one held motion near the patient may be. The clearance is the least that a room file may ask for.
+    clearance_mm: float = 2.0
+    path_length_mm: float = 150.0
+    path_angle_rad: float = math.radians(35.0)
     speed_mm_s: float = 20.0
     speed_rad_s: float = math.radians(5.0)
+    acceleration_mm_s2: float = 50.0
+    # H09, edges of plausibility.
     joint_rad: float = 2.0 * math.pi
     evaluation_angle_rad: float = math.radians(45.0)  # the guide's z lies within 45 deg of the ray
     evaluation_position_mm: float = 150.0  # the guide's field

@@ -3,10 +3,10 @@
 import numpy as np
 
 from robot.arm import ArmState
+from robot.caps import SPEED_CAP_MM_S, TURN_SPEED_CAP_RAD_S
 from robot.frames import distance_between
 from robot.guard.messages import BeginMove, EndCause
 from robot.guard.rest import DISTURBED_MM, DISTURBED_RAD, RestWatch
-from robot.path import SPEED_CAP_MM_S, TURN_SPEED_CAP_RAD_S
 from robot.safety import SafetyState
 
 ARRIVAL_MM = 0.1

@@ -3,11 +3,11 @@
 import numpy as np
 
 from robot.arm import ArmState
+from robot.caps import ACCELERATION_CAP_MM_S2, ANGLE_CAP_RAD, LENGTH_CAP_MM, SPEED_CAP_MM_S
 from robot.frames import Transform, distance_between
 from robot.guard.messages import BeginMove
 from robot.guard.rest import DISTURBED_MM, DISTURBED_RAD, REST_SPEED_MM_S, is_slow
 from robot.kinematics import base_from_flange
-from robot.path import SPEED_CAP_MM_S
 from robot.refusal import Refusal, RefusalCode
 from robot.safety import may_move
 
@@ -15,13 +15,18 @@ _WINDING_RAD = 0.1  # the same pose with a joint one turn on is not the arm that
 
 
 def refuse_arm(move: BeginMove, reading: ArmState) -> Refusal | None:
-    """Refusal of a motion for the state of the arm: safety, foreign programs, rest, place (H04), payload (H10)."""
+    """Refusal of a motion for the arm's safety and rest, the caps (H12), its place (H04) and payload (H10)."""
     if not may_move(reading.safety):
         return Refusal(RefusalCode.ARM_NOT_READY, f"the arm reports {reading.safety}", None, None)
     if not is_slow(reading):
         message = "the arm is not at rest (mm/s)"
         return Refusal(RefusalCode.ARM_NOT_AT_REST, message, reading.tcp_speed_mm_s, REST_SPEED_MM_S)
-    return _refuse_speed(move) or _refuse_place(move, reading) or _refuse_payload(move, reading)
+    return (
+        _refuse_pace(move)
+        or _refuse_extent(move, reading)
+        or _refuse_place(move, reading)
+        or _refuse_payload(move, reading)
+    )
 
 
 def refuse_tcp(move: BeginMove, flange_from_tcp: Transform) -> Refusal | None:
@@ -36,10 +41,24 @@ def refuse_tcp(move: BeginMove, flange_from_tcp: Transform) -> Refusal | None:
     return None
 
 
-def _refuse_speed(move: BeginMove) -> Refusal | None:
-    if move.speed_mm_s <= SPEED_CAP_MM_S:
-        return None
-    return Refusal(RefusalCode.SPEED_ABOVE_CAP, "speed of the motion (mm/s)", move.speed_mm_s, SPEED_CAP_MM_S)
+def _refuse_pace(move: BeginMove) -> Refusal | None:
+    """Whatever was planned and approved, faster is not put on the wire (H12)."""
+    if move.speed_mm_s > SPEED_CAP_MM_S:
+        return Refusal(RefusalCode.SPEED_ABOVE_CAP, "speed of the motion (mm/s)", move.speed_mm_s, SPEED_CAP_MM_S)
+    if move.acceleration_mm_s2 > ACCELERATION_CAP_MM_S2:
+        message = "acceleration of the motion (mm/s2)"
+        return Refusal(RefusalCode.ACCELERATION_ABOVE_CAP, message, move.acceleration_mm_s2, ACCELERATION_CAP_MM_S2)
+    return None
+
+
+def _refuse_extent(move: BeginMove, reading: ArmState) -> Refusal | None:
+    """Nor further, counted from where the arm is; it may have drifted since the plan as far as counts for nothing."""
+    offset_mm, angle_rad = distance_between(reading.base_from_tcp, move.base_from_goal)
+    if offset_mm > LENGTH_CAP_MM + DISTURBED_MM:
+        return Refusal(RefusalCode.MOVE_TOO_FAR, "way to the goal (mm)", offset_mm, LENGTH_CAP_MM)
+    if angle_rad > ANGLE_CAP_RAD + DISTURBED_RAD:
+        return Refusal(RefusalCode.MOVE_TOO_FAR, "turn to the goal (rad)", angle_rad, ANGLE_CAP_RAD)
+    return None
 
 
 def _refuse_place(move: BeginMove, reading: ArmState) -> Refusal | None:

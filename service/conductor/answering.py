@@ -6,7 +6,7 @@ import structlog
 
 from service.cases import store
 from service.cases.attempts import record_attempt
-from service.cases.records import NewAttempt
+from service.cases.records import NewAttempt, NewVerdict
 from service.conductor.answers import CommandAnswer, VerdictAnswer
 from service.conductor.caller import Caller
 from service.conductor.taking import Taken
@@ -57,7 +57,8 @@ def record_failed_attempt(database: Database, caller: Caller, trigger: Trigger, 
         with database.write() as connection:
             case_id, state = _known(database, caller.case_id)
             user_id, code, message = caller.session.user_id, error.code, error.message
-            record_attempt(connection, NewAttempt(case_id, user_id, trigger, False, code, message, state, ()))
+            verdicts = tuple(NewVerdict(**verdict) for verdict in error.verdicts)
+            record_attempt(connection, NewAttempt(case_id, user_id, trigger, False, code, message, state, verdicts))
     except ServiceError as fault:
         _log.error("attempt_not_recorded", case_id=caller.case_id, trigger=trigger, code=fault.code)
 

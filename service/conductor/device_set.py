@@ -9,6 +9,7 @@ from functools import lru_cache
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
+from robot.room_shapes import RoomShapes, read_room
 from robot.tool import Tool, read_tool
 from service.database import tables
 from service.devices.store import DeviceKind, device_bytes, expired, read_device
@@ -17,11 +18,15 @@ from workflow.triggers import Trigger
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DeviceSet:
-    """Guide and C-arm as bytes for the image worker, the TCP calibration read; one hash over the three."""
+    """Guide and C-arm as bytes for the image worker, TCP calibration and room read; one hash over all.
+
+    A case that was opened before rooms had files has none, and no path can be checked in it.
+    """
 
     guide: bytes
     carm: bytes
     tool: Tool
+    room: RoomShapes | None
     sha256: str
     in_date: bool
 
@@ -41,13 +46,14 @@ def device_ids(connection: Connection, case_id: str) -> dict[str, str]:
 def read_devices(connection: Connection, ids: Mapping[str, str]) -> DeviceSet:
     """The files; ServiceError DEVICE_UNKNOWN."""
     today = datetime.now(UTC).date()
-    files = {kind: read_device(connection, ids[kind]) for kind in DeviceKind}
-    contents = {kind: device_bytes(connection, files[kind].id) for kind in DeviceKind}
+    files = {kind: read_device(connection, ids[kind]) for kind in DeviceKind if kind in ids}
+    contents = {kind: device_bytes(connection, file.id) for kind, file in files.items()}
     return DeviceSet(
         guide=contents[DeviceKind.GUIDE],
         carm=contents[DeviceKind.CARM],
         tool=_tool(contents[DeviceKind.TCP]),
-        sha256=hashlib.sha256(" ".join(files[kind].sha256 for kind in DeviceKind).encode()).hexdigest(),
+        room=_room(contents[DeviceKind.ROOM]) if DeviceKind.ROOM in contents else None,
+        sha256=hashlib.sha256(" ".join(file.sha256 for file in files.values()).encode()).hexdigest(),
         in_date=not any(expired(file, today) for file in files.values()),
     )
 
@@ -60,3 +66,8 @@ def devices_of(connection: Connection, case_id: str) -> DeviceSet:
 @lru_cache(maxsize=16)
 def _tool(content: bytes) -> Tool:
     return read_tool(content)
+
+
+@lru_cache(maxsize=16)
+def _room(content: bytes) -> RoomShapes:
+    return read_room(content)

@@ -1,7 +1,7 @@
 """Where a motion is to end, and whether the straight way there can be gone."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, assert_never
 
 import numpy as np
@@ -9,17 +9,21 @@ from sqlalchemy.engine import Connection
 
 from robot.arm import ArmState
 from robot.frames import Transform, goal_in_base
-from robot.path import Path, PathLimits, plan_path
+from robot.path import Path, Way, plan_path
+from robot.path_limits import PathLimits
 from robot.poses import pose_of, retreat
-from robot.refusal import Refusal
-from robot.tool import Tool
+from robot.refusal import Refusal, RefusalCode
 from service.cases import store
 from service.cases.records import ArtefactKind
 from service.conductor.bodies import Pose, RequestPlan
-from service.errors import ErrorCode, ServiceError, refused
+from service.conductor.device_set import DeviceSet
+from service.errors import ErrorCode, ServiceError
 from service.images.store import purpose_of
 from workflow.case import CaseState
 from workflow.plans import PlanKind
+from workflow.verdicts import Verdict
+
+_H12 = frozenset({RefusalCode.KEEP_OUT, RefusalCode.PATH_TOO_LONG})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,12 +50,35 @@ def goal_of(connection: Connection, case: CaseState, wanted: RequestPlan, arm: A
             assert_never(wanted.kind)
 
 
-def way_to(goal: Goal, arm: ArmState, tool: Tool) -> Path:
-    """The checked path from where the arm is; ServiceError with robot's own code (H11)."""
-    path = plan_path(arm.joints_rad, arm.base_from_tcp, goal.base_from_goal, tool.flange_from_guide, PathLimits())
+def way_to(goal: Goal, arm: ArmState, devices: DeviceSet) -> Path:
+    """The checked path from where the arm is; ServiceError with robot's own code and its verdict (H11, H12)."""
+    if devices.room is None:
+        raise ServiceError(ErrorCode.DEVICE_UNKNOWN, "the case has no room file: nothing says what to keep out of")
+    way = Way(arm.joints_rad, arm.base_from_tcp, goal.base_from_goal, leaving=goal.axial)
+    path = plan_path(way, devices.tool, devices.room, PathLimits())
     if isinstance(path, Refusal):
-        raise refused(path)
+        raise _refused(path)
     return path
+
+
+def _refused(refusal: Refusal) -> ServiceError:
+    """As an interlock's refusal is told and stored."""
+    verdict = Verdict(
+        code=refusal.code,
+        hazard="H12" if refusal.code in _H12 else "H11",
+        passed=False,
+        measured=refusal.measured,
+        limit=refusal.limit,
+        unit="",
+        message=refusal.message,
+    )
+    return ServiceError(
+        refusal.code,
+        refusal.message,
+        measured=refusal.measured,
+        limit=refusal.limit,
+        verdicts=[asdict(verdict)],
+    )
 
 
 def _at_the_target(connection: Connection, case: CaseState) -> Goal:

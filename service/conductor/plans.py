@@ -7,7 +7,8 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends
 
 from robot.arm import ArmState
-from robot.path import Path, PathLimits
+from robot.path import Path
+from robot.path_limits import PathLimits
 from service.auth.permissions import Permission
 from service.cases.records import ArtefactKind, NewArtefact
 from service.conductor.answers import CommandAnswer
@@ -20,6 +21,7 @@ from service.conductor.route_errors import PLANNING
 from service.conductor.taking import Prepared, Standing
 from service.errors import ErrorCode, ServiceError
 from workflow.facts import PlanRequested
+from workflow.limits import Limits
 from workflow.machine import decide
 from workflow.motion_interlocks import input_ids
 from workflow.plans import PlanKind
@@ -40,8 +42,8 @@ def plan_requested(
 
 def _prepare(conductor: Conductor, standing: Standing, wanted: RequestPlan) -> Prepared:
     """The rules first: what is not allowed now is refused for that, not for a path that nobody may go."""
-    still = _still(standing, wanted.kind)
     rules = conductor.rules
+    still = _still(standing, wanted.kind, rules.limits)
     answer = decide(standing.case, Trigger.PLAN_REQUESTED, still, standing.snapshot, rules.limits, rules.clock())
     if isinstance(answer, Refusal):
         return Prepared(still)
@@ -49,12 +51,12 @@ def _prepare(conductor: Conductor, standing: Standing, wanted: RequestPlan) -> P
     if reading is None or reading.arm is None:
         raise ServiceError(ErrorCode.ARM_UNKNOWN, "nothing was read from the arm yet")
     goal = goal_of(standing.connection, standing.case, wanted, reading.arm)
-    path = way_to(goal, reading.arm, devices_of(standing.connection, standing.case.case_id).tool)
+    path = way_to(goal, reading.arm, devices_of(standing.connection, standing.case.case_id))
     return _planned(still, goal, path, reading.arm)
 
 
-def _still(standing: Standing, kind: PlanKind) -> PlanRequested:
-    """A plan of this kind that goes nowhere."""
+def _still(standing: Standing, kind: PlanKind, limits: Limits) -> PlanRequested:
+    """A plan of this kind that goes nowhere and keeps every limit of a path, so that only the case can refuse it."""
     return PlanRequested(
         plan_id=new_id(),
         kind=kind,
@@ -65,6 +67,11 @@ def _still(standing: Standing, kind: PlanKind) -> PlanRequested:
         rotation_rad=0.0,
         speed_mm_s=0.0,
         speed_rad_s=0.0,
+        acceleration_mm_s2=0.0,
+        joint_margin_rad=limits.joint_margin_rad,
+        smallest_singular_value=limits.smallest_singular_value,
+        clearance_mm=limits.clearance_mm,
+        clearance_needed_mm=limits.clearance_mm,
     )
 
 
@@ -77,6 +84,11 @@ def _planned(still: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> Pre
         rotation_rad=path.angle_rad,
         speed_mm_s=path.speed_mm_s,
         speed_rad_s=path.angle_rad * path.speed_mm_s / way_mm if way_mm > 0.0 else 0.0,
+        acceleration_mm_s2=path.acceleration_mm_s2,
+        joint_margin_rad=path.joint_margin_rad,
+        smallest_singular_value=path.smallest_singular_value,
+        clearance_mm=path.clearance_mm,
+        clearance_needed_mm=path.needed_mm,
     )
     content = _content(facts, goal, path, arm)
     artefact = NewArtefact(ArtefactKind.PLAN, facts.plan_id, facts.made_from, content, {})
@@ -98,5 +110,18 @@ def _content(facts: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> dic
         "duration_s": path.duration_s,
         "joint_margin_deg": math.degrees(path.joint_margin_rad),
         "smallest_singular_value": path.smallest_singular_value,
+        "clearance_mm": path.clearance_mm,
+        "clearance_needed_mm": path.needed_mm,
+        "preview": _preview(path),
         "predicted_error_95": None if goal.predicted_error_95 is None else dict(goal.predicted_error_95),
     }
+
+
+def _preview(path: Path) -> list[dict[str, Any]]:
+    """The pieces of the path in order: where each ends, and what it comes nearest to on its way."""
+    ends_mm = path.base_from_samples[1:, :3, 3].tolist()
+    nearest = (path.swept.on_segment(segment) for segment in range(len(ends_mm)))
+    return [
+        {"to_mm": end_mm, "clearance_mm": one.clearance_mm, "part": one.part, "shape": one.shape}
+        for end_mm, one in zip(ends_mm, nearest, strict=True)
+    ]

@@ -25,6 +25,7 @@ _PATH = (
     PathRefusal.JOINT_SPEED,
     PathRefusal.PATH_TOO_LONG,
     PathRefusal.MODEL_MISMATCH,
+    PathRefusal.KEEP_OUT,
 )
 _TARGET = (ImageRefusal.TARGET_NOT_FINITE, ImageRefusal.TARGET_OUTSIDE_IMAGE, ImageRefusal.TARGET_NOT_REACHABLE)
 
@@ -37,6 +38,8 @@ REUSING_AN_IMAGE = may_fail_with(*_REQUEST, ErrorCode.IMAGE_UNKNOWN, *_VISION)
 CLOSING = may_fail_with(*_REQUEST, *_PIN)
 DRAWING_BACK = may_fail_with(ErrorCode.CASE_UNKNOWN, ErrorCode.IMAGE_NOT_REGISTERED, *_TARGET, *_VISION)
 AIMING = may_fail_with(*_REQUEST, *_LEASE, ErrorCode.PLANNED_TARGET_UNKNOWN, *_TARGET, *_VISION)
-PLANNING = may_fail_with(*_REQUEST, *_LEASE, ErrorCode.ARM_UNKNOWN, ErrorCode.EXPOSURE_POSE_UNKNOWN, *_PATH)
+PLANNING = may_fail_with(
+    *_REQUEST, *_LEASE, ErrorCode.ARM_UNKNOWN, ErrorCode.EXPOSURE_POSE_UNKNOWN, ErrorCode.DEVICE_UNKNOWN, *_PATH
+)
 APPROVING = may_fail_with(*_REQUEST, *_LEASE, *_PIN)
 ANGLES = may_fail_with(ErrorCode.CASE_UNKNOWN, ErrorCode.PLANNED_TARGET_UNKNOWN, *_VISION)

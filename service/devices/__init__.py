@@ -1,1 +1,1 @@
-"""Versioned device files: guide, C-arm, tool."""
+"""Versioned device files: guide, C-arm, tool, room."""

@@ -21,6 +21,7 @@ class DeviceKind(StrEnum):
     GUIDE = "guide"
     CARM = "carm"
     TCP = "tcp"
+    ROOM = "room"
 
 
 class DeviceFile(Protocol):
@@ -133,6 +134,10 @@ def _reader(kind: DeviceKind) -> Callable[[bytes], DeviceFile]:
             from robot.tool import read_tool
 
             return read_tool
+        case DeviceKind.ROOM:
+            from robot.room_shapes import read_room
+
+            return read_room
 
 
 def _same_version(connection: Connection, kind: DeviceKind, parsed: DeviceFile) -> StoredDevice | None:

@@ -14,12 +14,11 @@ from simulator.demo.door_client import Door
 from simulator.demo.failure import DemoFailed
 from simulator.demo.people import Person, add_person, draw_people
 from simulator.demo.telling import Teller
-from simulator.devices import GUIDE_FILE, INTENSIFIER_FILE, TCP_FILE
+from simulator.devices import DEVICE_FILES
 
 _UP_WITHIN_S = 60.0
 _VISION_DEADLINE_S = 60.0  # service and room share one machine here, and its cores with whatever else runs
 _LOOK_EVERY_S = 0.05
-_DEVICE_FILES = {"guide": GUIDE_FILE, "carm": INTENSIFIER_FILE, "tcp": TCP_FILE}
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +115,7 @@ def _service(plan: _Plan) -> Child:
 
 def _upload_devices(stage: Stage) -> None:
     with stage.sign_in("engineer") as engineer:
-        for kind, file in _DEVICE_FILES.items():
+        for kind, file in DEVICE_FILES.items():
             engineer.upload_device(kind, file.read_bytes())
 
 

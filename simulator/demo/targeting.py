@@ -1,8 +1,11 @@
 """One target: from the C-arm's view to the sleeve, with as many corrections as the limits ask for."""
 
+import numpy as np
+
 from simulator.demo.door_client import Door
 from simulator.demo.failure import DemoFailed
 from simulator.demo.imaging import take_registration, take_verification, turn_carm
+from simulator.demo.legs import legs
 from simulator.demo.moving import move
 from simulator.demo.patience import patiently
 from simulator.demo.results import Moved, TargetResult, Verified
@@ -30,8 +33,9 @@ def _bring_guide_in(team: Team, pedicle: str) -> None:
     """C-arm into the view, guide stated empty, arm into the beam by eye."""
     turn_carm(team, pedicle)
     team.operator.command("guide-state-stated", guide="empty")
-    goal = team.door.approach_to(pedicle)
-    move(team, "approach", base_from_goal=goal)
+    start = np.array(team.surgeon.status()["arm"]["base_from_tcp"])
+    for goal in legs(start, team.door.approach_to(pedicle)):
+        move(team, "approach", base_from_goal=goal)
 
 
 def _choose_target(team: Team, pedicle: str) -> None:

@@ -13,8 +13,10 @@ from simulator.carm.guide import GuideShape
 Array = NDArray[np.float64]
 
 FOLDER = Path(__file__).parent
-GUIDE_FILE, TCP_FILE = FOLDER / "guide.toml", FOLDER / "tcp.toml"
+GUIDE_FILE, TCP_FILE, ROOM_FILE = FOLDER / "guide.toml", FOLDER / "tcp.toml", FOLDER / "room.toml"
 INTENSIFIER_FILE, FLAT_PANEL_FILE = FOLDER / "carm-intensifier.toml", FOLDER / "carm-flat-panel.toml"
+# What the product is told about this room, by kind of file.
+DEVICE_FILES = {"guide": GUIDE_FILE, "carm": INTENSIFIER_FILE, "tcp": TCP_FILE, "room": ROOM_FILE}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,7 +6,7 @@ import numpy as np
 from fastapi import APIRouter
 from scipy.spatial.transform import Rotation
 
-from simulator.devices import GUIDE_FILE, INTENSIFIER_FILE, TCP_FILE
+from simulator.devices import DEVICE_FILES
 from simulator.pedal import Pedal
 from simulator.pedicle import Pedicle
 from simulator.room import Room
@@ -32,7 +32,7 @@ def router(room: Room, pedal: Pedal) -> APIRouter:
             },
             "arm": {"address": room.controller.address},
             "dicom": {"host": destination.host, "port": destination.port, "ae_title": destination.ae_title},
-            "devices": {"guide": str(GUIDE_FILE), "carm": str(INTENSIFIER_FILE), "tcp": str(TCP_FILE)},
+            "devices": {kind: str(file) for kind, file in DEVICE_FILES.items()},
             "faults": sorted([*room.faults, *room.controller.state().faults]),
         }
 
