@@ -3,9 +3,11 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from robot.arm import ArmState, LinearMove
 from robot.errors import ControllerRefusedError
@@ -149,6 +151,38 @@ def test_arm_that_changes_while_control_is_taken_is_not_moved(
     assert room.newest(MoveRefused).refusal.code is code
     assert "move" not in room.orders
     assert room.orders[-2:] == ["stop", "give up"]
+
+
+def ahead(move: BeginMove, offset_mm: float, turn_deg: float = 0.0) -> np.ndarray:
+    goal = move.base_from_goal.copy()
+    goal[0, 3] += offset_mm - 10.0  # the move's own way
+    goal[:3, :3] = goal[:3, :3] @ Rotation.from_euler("x", turn_deg, degrees=True).as_matrix()
+    return goal
+
+
+@pytest.mark.parametrize(
+    ("change", "code", "limit"),
+    [
+        ({"speed_mm_s": 20.001}, RefusalCode.SPEED_ABOVE_CAP, 20.0),
+        ({"acceleration_mm_s2": 50.001}, RefusalCode.ACCELERATION_ABOVE_CAP, 50.0),
+        ({"way": (150.1, 0.0)}, RefusalCode.MOVE_TOO_FAR, 150.0),
+        ({"way": (0.0, 35.1)}, RefusalCode.MOVE_TOO_FAR, np.deg2rad(35.0)),
+    ],
+)
+def test_guard_holds_to_its_own_caps_whatever_was_planned_and_approved(
+    room: Room, move: BeginMove, change: dict[str, Any], code: RefusalCode, limit: float
+) -> None:
+    goal = {"base_from_goal": ahead(move, *change.pop("way"))} if "way" in change else {}
+    begin(room, replace(move, **change, **goal))
+    refusal = room.newest(MoveRefused).refusal
+    assert (refusal.code, refusal.limit) == (code, limit)
+    assert refusal.measured > limit
+    assert room.orders == []  # not one packet
+
+
+def test_motion_at_every_cap_is_allowed(room: Room, move: BeginMove) -> None:
+    begin(room, replace(move, speed_mm_s=20.0, acceleration_mm_s2=50.0, base_from_goal=ahead(move, 150.0, 35.0)))
+    assert room.orders == ["control", "move"]
 
 
 def test_hold_let_go_while_control_is_taken_prevents_the_motion(room: Room, move: BeginMove) -> None:

@@ -1,6 +1,7 @@
 """Straight-line paths: what they keep, and what they are refused for."""
 
 from dataclasses import replace
+from pathlib import Path as Paths
 
 import numpy as np
 import pytest
@@ -11,13 +12,33 @@ from scipy.spatial.transform import Rotation
 from robot.frames import goal_in_base
 from robot.kinematics import base_from_flange
 from robot.line import line_between, pace_of, sample_line
-from robot.path import Path, PathLimits, plan_path
+from robot.path import Path, Way, plan_path
+from robot.path_limits import PathLimits
 from robot.refusal import Refusal, RefusalCode
+from robot.room_shapes import read_room
+from robot.tool import read_tool
 
 LIMITS = PathLimits()
 PARKED_RAD = np.deg2rad([0.0, -90.0, 90.0, -90.0, -90.0, 0.0])
-FLANGE_FROM_GUIDE = np.eye(4)
-FLANGE_FROM_GUIDE[:3, 3] = [20.0, -5.0, 150.0]
+TOOL = read_tool(
+    b"""
+name = "guide"
+version = "1"
+[tcp]
+translation_mm = [20.0, -5.0, 150.0]
+rotation_vector_deg = [0.0, 0.0, 0.0]
+[payload]
+mass_kg = 0.8
+centre_mm = [1.0, 0.0, 60.0]
+[envelope]
+radius_mm = 34.0
+below_mm = 62.0
+above_mm = 2.0
+holder_radius_mm = 25.0
+"""
+)
+FLANGE_FROM_GUIDE = TOOL.flange_from_guide
+FAR_ROOM = read_room((Paths(__file__).parents[1] / "devices" / "room.toml").read_bytes())
 PARKED = base_from_flange(PARKED_RAD) @ FLANGE_FROM_GUIDE
 
 
@@ -29,7 +50,7 @@ def moved(pose: np.ndarray, offset_mm: list[float], turn_deg: list[float] | None
 
 
 def planned(goal: np.ndarray, limits: PathLimits = LIMITS, joints_rad: np.ndarray = PARKED_RAD) -> Path | Refusal:
-    return plan_path(joints_rad, base_from_flange(joints_rad) @ FLANGE_FROM_GUIDE, goal, FLANGE_FROM_GUIDE, limits)
+    return plan_path(Way(joints_rad, base_from_flange(joints_rad) @ FLANGE_FROM_GUIDE, goal), TOOL, FAR_ROOM, limits)
 
 
 def refused(outcome: Path | Refusal, code: RefusalCode) -> Refusal:
@@ -38,7 +59,7 @@ def refused(outcome: Path | Refusal, code: RefusalCode) -> Refusal:
     return outcome
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(
     offset_mm=st.lists(st.floats(-60.0, 60.0), min_size=3, max_size=3),
     turn_deg=st.lists(st.floats(-12.0, 12.0), min_size=3, max_size=3),
@@ -68,7 +89,8 @@ def test_windings_of_the_start_are_kept() -> None:
 
 
 def test_goal_out_of_reach_is_refused_with_the_sample_where_the_arm_ends() -> None:
-    refusal = refused(planned(moved(PARKED, [-500.0, 0.0, 0.0])), RefusalCode.GOAL_UNREACHABLE)
+    limits = replace(LIMITS, length_mm=600.0)
+    refusal = refused(planned(moved(PARKED, [-500.0, 0.0, 0.0]), limits), RefusalCode.GOAL_UNREACHABLE)
     assert "of 250" in refusal.message  # 500 mm in steps of 2 mm
     assert refusal.measured is not None
     assert refusal.measured == pytest.approx(refusal.limit, abs=40.0)  # mm: the reach depends on the wrist
@@ -78,7 +100,8 @@ def test_line_through_the_wrist_singularity_is_refused_by_its_name() -> None:
     before, after = PARKED_RAD.copy(), PARKED_RAD.copy()
     before[4], after[4] = np.deg2rad([-20.0, 20.0])
     goal = base_from_flange(after) @ FLANGE_FROM_GUIDE
-    refusal = refused(planned(goal, joints_rad=before), RefusalCode.NEAR_SINGULARITY)
+    limits = replace(LIMITS, length_mm=600.0, angle_rad=2.0)
+    refusal = refused(planned(goal, limits, joints_rad=before), RefusalCode.NEAR_SINGULARITY)
     assert "wrist" in refusal.message
     assert refusal.measured is not None
     assert refusal.measured < LIMITS.smallest_singular_value
@@ -105,14 +128,21 @@ def test_joint_that_would_turn_too_fast_is_refused() -> None:
     assert refusal.measured > 0.02
 
 
-@pytest.mark.parametrize("goal", [moved(PARKED, [0.0, 601.0, 0.0]), moved(PARKED, [0.0] * 3, [0.0, 0.0, 121.0])])
+@pytest.mark.parametrize("goal", [moved(PARKED, [0.0, 150.1, 0.0]), moved(PARKED, [0.0] * 3, [0.0, 0.0, 35.1])])
 def test_path_too_long_or_turning_too_far_is_refused(goal: np.ndarray) -> None:
     refused(planned(goal), RefusalCode.PATH_TOO_LONG)
 
 
+def test_path_is_never_faster_nor_more_abrupt_than_the_caps() -> None:
+    hasty = replace(LIMITS, speed_mm_s=200.0, turn_speed_rad_s=1.0, acceleration_mm_s2=500.0)
+    path = planned(moved(PARKED, [0.0, 50.0, 0.0]), hasty)
+    assert isinstance(path, Path)
+    assert (path.speed_mm_s, path.acceleration_mm_s2) == (20.0, 50.0)
+
+
 def test_controller_pose_that_its_joints_do_not_explain_is_refused() -> None:
     refusal = refused(
-        plan_path(PARKED_RAD, moved(PARKED, [0.0, 0.0, 6.0]), PARKED, FLANGE_FROM_GUIDE, LIMITS),
+        plan_path(Way(PARKED_RAD, moved(PARKED, [0.0, 0.0, 6.0]), PARKED), TOOL, FAR_ROOM, LIMITS),
         RefusalCode.MODEL_MISMATCH,
     )
     assert refusal.measured == pytest.approx(6.0)
@@ -120,7 +150,7 @@ def test_controller_pose_that_its_joints_do_not_explain_is_refused() -> None:
 
 def test_calibrated_arm_two_millimetres_off_the_nominal_one_is_planned_from_its_own_pose() -> None:
     reported = moved(PARKED, [1.0, -1.5, 0.8])
-    path = plan_path(PARKED_RAD, reported, moved(reported, [0.0, 40.0, 0.0]), FLANGE_FROM_GUIDE, LIMITS)
+    path = plan_path(Way(PARKED_RAD, reported, moved(reported, [0.0, 40.0, 0.0])), TOOL, FAR_ROOM, LIMITS)
     assert isinstance(path, Path)
     assert path.joints_rad[0] == pytest.approx(PARKED_RAD, abs=1e-8)
     assert path.length_mm == pytest.approx(40.0)

@@ -17,6 +17,16 @@ rotation_vector_deg = [0.0, 0.0, 90.0]
 [payload]
 mass_kg = 0.8
 centre_mm = [1.0, 0.0, 60.0]
+[envelope]
+radius_mm = 34.0
+below_mm = 62.0
+above_mm = 2.0
+holder_radius_mm = 25.0
+[[envelope.rod]]
+name = "line"
+start_mm = [26.0, 0.0, 0.0]
+end_mm = [66.0, 0.0, 0.0]
+radius_mm = 3.0
 [tolerance]
 tcp_mm = 0.1
 """
@@ -29,6 +39,7 @@ def test_file_is_read_in_its_units() -> None:
     assert tool.payload_kg == 0.8
     assert tool.tcp_tolerance_mm == 0.1
     assert tool.tcp_tolerance_rad == pytest.approx(np.deg2rad(0.02))
+    assert (tool.envelope.radius_mm, tool.envelope.rods.names) == (34.0, ("line",))
     assert len(tool.sha256) == 64
 
 
@@ -57,6 +68,11 @@ def test_tolerances_and_expiry_may_be_left_out() -> None:
         ('version = "3"', "version = 3", "version"),
         ("expires = 2030-01-31", 'expires = "soon"', "expires"),
         ("[payload]", "[other]", "payload"),
+        ("[envelope]", "[other]", "radius_mm"),  # nobody would know how big the guide is (H12)
+        ("radius_mm = 34.0", "radius_mm = 0.034", "radius_mm"),
+        ("below_mm = 62.0", "", "below_mm"),
+        ("below_mm = 62.0", "belwo_mm = 62.0", "belwo_mm"),
+        ("end_mm = [66.0, 0.0, 0.0]", "", "end_mm"),
         ("[tcp]", "tcp = 3", "tcp"),
         ('name = "guide"', 'name = "guide', "TOML"),
     ],

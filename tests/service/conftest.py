@@ -150,7 +150,7 @@ def _xray(rows: int = 96, columns: int = 80, seed: int = 0, **elements: object) 
 @pytest.fixture(scope="session")
 def device_files() -> dict[str, str]:
     """A plausible file of each kind."""
-    return {"guide": _GUIDE, "carm": _CARM, "tcp": _TCP}
+    return {"guide": _GUIDE, "carm": _CARM, "tcp": _TCP, "room": _ROOM}
 
 
 _DEVICES = Path(__file__).parents[1] / "devices"
@@ -165,4 +165,10 @@ rotation_vector_deg = [0.0, 0.0, 90.0]
 [payload]
 mass_kg = 0.8
 centre_mm = [1.0, 0.0, 60.0]
+[envelope]
+radius_mm = 34.0
+below_mm = 62.0
+above_mm = 2.0
+holder_radius_mm = 25.0
 """
+_ROOM = (_DEVICES / "room.toml").read_text()

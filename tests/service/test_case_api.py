@@ -61,7 +61,7 @@ def test_a_new_case_tells_state_version_targets_and_device_files(surgeon, opened
     case = opened.json()
     assert (case["state"], case["version"], opened.headers["etag"]) == ("case_open", 1, '"1"')
     assert case["planned_targets"].keys() == {"L4 left", "L4 right"}
-    assert case["devices"].keys() == {"guide", "carm", "tcp"}
+    assert case["devices"].keys() == {"guide", "carm", "tcp", "room"}
     again = surgeon.get(f"/cases/{case['id']}")
     assert again.json() == case
     assert again.headers["etag"] == opened.headers["etag"]

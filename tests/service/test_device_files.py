@@ -13,7 +13,7 @@ def engineer(running):
         yield client
 
 
-@pytest.mark.parametrize("kind", ["guide", "carm", "tcp"])
+@pytest.mark.parametrize("kind", ["guide", "carm", "tcp", "room"])
 def test_a_file_is_kept_to_the_byte_with_its_hash(engineer, device_files, kind):
     content = device_files[kind].encode()
     answer = engineer.post(f"/devices/{kind}", content=content)
@@ -51,6 +51,9 @@ def test_other_bytes_under_a_stored_version_are_refused(engineer, device_files):
         ("carm", "source_to_image_distance = 1000.0", "source_to_image_distance = 1.0", "source_to_image"),
         ("tcp", "mass_kg = 0.8", "mass_kg = 800.0", "mass_kg"),
         ("tcp", "[tcp]", "[[[", "TOML"),
+        ("tcp", "[envelope]", "[other]", "envelope"),
+        ("room", "radius_mm = 150.0", "radius_mm = 0.15", "radius_mm"),  # metres
+        ("room", 'occupant = "patient"', 'occupant = "other"', "patient"),
     ],
 )
 def test_an_implausible_file_is_refused_with_the_line(engineer, device_files, kind, before, after, named):

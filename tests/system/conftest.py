@@ -27,11 +27,17 @@ rotation_vector_deg = [0.0, 0.0, 0.0]
 [payload]
 mass_kg = 1.0
 centre_mm = [0.0, 0.0, 50.0]
+[envelope]
+radius_mm = 34.0
+below_mm = 62.0
+above_mm = 2.0
+holder_radius_mm = 25.0
 """
 DEVICES = {
     "guide": (_DEVICES / "guide.toml").read_bytes(),
     "carm": (_DEVICES / "flat-panel.toml").read_bytes(),
     "tcp": _TCP,
+    "room": (_DEVICES / "room.toml").read_bytes(),
 }
 TARGETS = [
     {"name": "L3 left", "entry_mm": [32.0, 85.0, 12.0], "target_mm": [20.0, 40.0, 4.0]},

@@ -118,7 +118,11 @@ def test_a_goal_out_of_reach_is_no_plan(case) -> None:
     refused = _refused(lambda: case.plan("approach", base_from_goal=goal))
     assert refused.code in {"goal_unreachable", "path_too_long"}
     assert refused.measured > refused.limit
-    assert case.attempts()[0]["code"] == refused.code
+    attempt = case.attempts()[0]
+    assert attempt["code"] == refused.code
+    [verdict] = attempt["verdicts"]
+    assert verdict["hazard"] in {"H11", "H12"}
+    assert (verdict["passed"], verdict["measured"], verdict["limit"]) == (False, refused.measured, refused.limit)
     assert case.status()["chain"]["plan"] is None
 
 

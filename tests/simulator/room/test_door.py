@@ -34,7 +34,7 @@ def test_room_tells_patient_carm_arm_and_devices(call: Call) -> None:
     assert status == 200
     assert answer["patient"] == {"id": "P1", "name": "Some^One", "position": "prone"}
     assert answer["arm"]["address"] == "127.0.0.2"
-    assert set(answer["devices"]) == {"guide", "carm", "tcp"}
+    assert set(answer["devices"]) == {"guide", "carm", "tcp", "room"}
 
 
 def test_flow_from_position_to_pixel_and_errors(call: Call, receiver) -> None:
