@@ -110,7 +110,7 @@ def _jacobian(view: View, guide: Guide, pixel_corrected: Array, depth_mm: float,
     """(6, 10) derivative of angle (rad) and position (mm) vectors by the parameters of the view."""
 
     def errors(step: Array) -> Array:
-        return _error_vectors(_moved(view, step), guide, pixel_corrected, depth_mm, guide_from_axis)
+        return _error_vectors(moved_view(view, step), guide, pixel_corrected, depth_mm, guide_from_axis)
 
     return np.column_stack([(errors(step) - errors(-step)) / (2.0 * step.max()) for step in np.diag(_STEPS)])
 
@@ -124,7 +124,7 @@ def _error_vectors(view: View, guide: Guide, pixel_corrected: Array, depth_mm: f
     return np.concatenate((angle, position_vector(on_axis, axis, target)))
 
 
-def _moved(view: View, step: Array) -> View:
+def moved_view(view: View, step: Array) -> View:
     """The view with a step (10,) of its parameters added, pose on the left in the source frame."""
     intrinsics = view.intrinsics
     pose = view.source_from_guide.copy()
