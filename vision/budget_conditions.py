@@ -17,7 +17,7 @@ from vision.registered import DEFAULT_DEPTH_MM, Registration
 
 Array = NDArray[np.float64]
 
-# Of the reference view, where no image says better; ../shared sample images have these.
+# Of the reference view, where no image says better: what an ordinary image has.
 _TILT_RAD = math.radians(10.0)
 _DISTANCE_SHARE = 0.75  # of the source-to-image distance: small ring from the source
 _SIDE_PX = 1024
@@ -88,13 +88,26 @@ def reference_conditions(
 
 
 def conditions_of(
-    registration: Registration, pixel_corrected: Array, motion: MotionErrors, depth_sd_mm: float, depth_mm: float
+    registration: Registration,
+    guide: Guide,
+    carm: CArm,
+    motion: MotionErrors,
+    depth_sd_mm: float,
+    depth_mm: float = DEFAULT_DEPTH_MM,
 ) -> Conditions:
-    """Those of a registered image, its noise and its plate."""
-    carm, fitted = registration.carm, registration.distortion
+    """Those of a registered image, its noise and its plate, the target at the small ring's centre.
+
+    Raises
+    ------
+    ValueError
+        Where the image is of another kind of detector than the C-arm file.
+    """
+    fitted = registration.distortion
+    if (carm.plate is None) != (fitted.balls == 0):
+        raise ValueError("the registration is of another kind of detector than the C-arm file")
     plate = exact(fitted) if carm.plate is None else _plate(fitted, carm.plate.ball_spacing_mm)
-    noise_px, view = registration.residual_rms_px, registration.view()
-    return Conditions(view, registration.guide, carm, plate, noise_px, pixel_corrected, depth_mm, depth_sd_mm, motion)
+    noise_px, pixel = registration.residual_rms_px, registration.fiducials_px["small_centre"]
+    return Conditions(registration.view(), guide, carm, plate, noise_px, pixel, depth_mm, depth_sd_mm, motion)
 
 
 def _plate(fitted: DistortionMap, spacing_mm: float) -> PlateFit:

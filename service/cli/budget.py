@@ -1,0 +1,138 @@
+"""`coaxial budget`: what the targeting error is made of, by source."""
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from service.cli.geometry import CArmOption, DepthOption, GuideOption
+from service.cli.streams import print_line, read_device, read_registration, write_file
+
+if TYPE_CHECKING:
+    from vision.budget import Budget, Share
+    from vision.budget_check import Check
+    from vision.budget_conditions import Conditions
+    from vision.motion_agreement import MotionErrors
+
+budget = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+
+_SEED = 1  # of the check: the same figures each time
+
+_RegistrationOption = Annotated[Path | None, typer.Option(help="One line of `register`: its view, noise and plate.")]
+_TcpOption = Annotated[Path | None, typer.Option(help="TCP calibration (TOML), for its standard deviations.")]
+_SdOption = typer.Option(min=0.0, max=50.0)
+_CheckOption = Annotated[int, typer.Option("--check", min=0, max=1_000_000, help="Draws of a Monte Carlo check.")]
+
+
+@budget.command()
+def budget_command(
+    guide: GuideOption,
+    carm: CArmOption,
+    registration: _RegistrationOption = None,
+    tcp: _TcpOption = None,
+    tcp_sd_mm: Annotated[float, _SdOption] = 0.1,
+    tcp_sd_deg: Annotated[float, _SdOption] = 0.05,
+    arm_sd_mm: Annotated[float, _SdOption] = 0.1,
+    arm_sd_deg: Annotated[float, _SdOption] = 0.02,
+    depth_mm: DepthOption = 80.0,
+    depth_sd_mm: Annotated[float, _SdOption] = 5.0,
+    check: _CheckOption = 0,
+    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Where the plot goes.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object instead of the table.")] = False,
+) -> None:
+    """Each source's share in the targeting error, for the reference view or that of a registration."""
+    from vision.budget import error_budget
+    from vision.budget_check import check_budget
+    from vision.motion_agreement import MotionErrors
+
+    if tcp is not None:
+        tcp_sd_mm, tcp_sd_deg = _tcp_sd(tcp)
+    motion = MotionErrors(math.radians(arm_sd_deg), arm_sd_mm, math.radians(tcp_sd_deg), tcp_sd_mm)
+    conditions = _conditions(guide, carm, registration, motion, depth_sd_mm, depth_mm)
+    result = error_budget(conditions)
+    checked = check_budget(conditions, result, check, _SEED) if check else None
+    if out is not None:
+        from service.cli.budget_plot import plot
+
+        write_file(out / "budget.png", plot(result))
+    if as_json:
+        print_line(_to_json(result, checked))
+    else:
+        _print_table(result, checked, depth_mm)
+
+
+def _conditions(
+    guide: Path, carm: Path, registration: Path | None, motion: "MotionErrors", depth_sd_mm: float, depth_mm: float
+) -> "Conditions":
+    from vision.alignment import check_depth
+    from vision.budget_conditions import conditions_of, reference_conditions
+    from vision.devices import read_carm, read_guide
+
+    guide_file, carm_file = read_device(guide, read_guide), read_device(carm, read_carm)
+    if registration is None:
+        conditions = reference_conditions(guide_file, carm_file, motion, depth_sd_mm, depth_mm)
+    else:
+        registered = read_registration(registration)
+        try:
+            conditions = conditions_of(registered, guide_file, carm_file, motion, depth_sd_mm, depth_mm)
+        except ValueError as error:
+            raise typer.BadParameter(str(error)) from None
+    refused = check_depth(conditions.view, guide_file, depth_mm)
+    if refused is not None:
+        raise typer.BadParameter(refused.message)
+    return conditions
+
+
+def _tcp_sd(path: Path) -> tuple[float, float]:
+    from robot.tool import read_tool
+
+    tool = read_device(path, read_tool)
+    return tool.tcp_tolerance_mm, math.degrees(tool.tcp_tolerance_rad)
+
+
+def _to_json(result: "Budget", checked: "Check | None") -> dict[str, Any]:
+    sources = {source.value: _share_to_json(result.share(source)) for source in result.covariances}
+    answer: dict[str, Any] = {"status": "budgeted", "sources": sources, "total": _share_to_json(result.whole())}
+    if checked is not None:
+        answer["check"] = {
+            "draws": checked.draws,
+            "rms_ratio": {"angle": checked.angle_ratio, "position": checked.position_ratio},
+            "within_95": {"angle": checked.angle_within, "position": checked.position_within},
+        }
+    return answer
+
+
+def _share_to_json(share: "Share") -> dict[str, float]:
+    return {
+        "angle_95_deg": math.degrees(share.angle_rad),
+        "position_95_mm": share.position_mm,
+        "angle_share": share.angle_share,
+        "position_share": share.position_share,
+    }
+
+
+def _print_table(result: "Budget", checked: "Check | None", depth_mm: float) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=f"Targeting error at {depth_mm:g} mm, 95 %")
+    table.add_column("source")
+    for heading in ("deg alone", "mm alone", "of angle", "of position"):
+        table.add_column(heading, justify="right")
+    for source in result.covariances:
+        table.add_row(source.value, *_cells(result.share(source)), end_section=source is list(result.covariances)[-1])
+    table.add_row("total", *_cells(result.whole()))
+    console = Console()
+    console.print(table)
+    if checked is not None:
+        console.print(
+            f"{checked.draws} draws of everything at once: root mean square {checked.angle_ratio:.3f} (angle) and "
+            f"{checked.position_ratio:.3f} (position) of the linear total; "
+            f"{checked.angle_within:.1%} and {checked.position_within:.1%} within its 95 % bounds"
+        )
+
+
+def _cells(share: "Share") -> tuple[str, ...]:
+    angle_deg = math.degrees(share.angle_rad)
+    return f"{angle_deg:.4f}", f"{share.position_mm:.4f}", f"{share.angle_share:.1%}", f"{share.position_share:.1%}"
