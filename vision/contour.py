@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from vision.devices import CArm, Guide
 from vision.distortion import PlateFit
 from vision.projection import Intrinsics, View, project, projection_jacobian
+from vision.strain import Strain, strain
 from vision.wire_model import dimension_directions, points_in_guide, with_dimensions
 
 Array = NDArray[np.float64]
@@ -72,6 +73,8 @@ class ContourFit:
         Factor of the variance that neighbours' correlation makes.
     pulls_sd : dict[str, float]
         Of each prior, in its standard deviations.
+    strain : Strain
+        What these pulls mean.
     covariance : Array
         (13, 13): the ten of `Registration.covariance`, then small radius, big radius, separation (mm).
     """
@@ -83,6 +86,7 @@ class ContourFit:
     noise_px: float
     correlation: float
     pulls_sd: dict[str, float]
+    strain: Strain
     covariance: Array
 
 
@@ -152,8 +156,19 @@ def fit_contour(view: View, guide: Guide, observations: Observations, priors: Pr
         noise_px = max(LEAST_NOISE_PX, 1.4826 * float(np.median(np.abs(residual))))
         weight = np.clip(1.0 - (residual / (_TUKEY * noise_px)) ** 2, 0.0, None) ** 2
         correlation = _correlation(residual, weight, observations)
-    covariance = _covariance(view, guide, observations, priors, weight, noise_px, correlation, plate)
-    return ContourFit(view, guide, residual, weight, noise_px, correlation, priors.pulls(view, guide), covariance)
+    inverse, shared = _covariances(view, guide, observations, priors, weight, noise_px, correlation, plate)
+    pulls_sd = priors.pulls(view, guide)
+    return ContourFit(
+        view,
+        guide,
+        residual,
+        weight,
+        noise_px,
+        correlation,
+        pulls_sd,
+        strain(pulls_sd, priors.rows(), inverse, shared),
+        inverse + shared,
+    )
 
 
 def _worth_px(noise_px: float, correlation: float) -> float:
@@ -270,7 +285,7 @@ def _correlation(residual: Array, weight: Array, observations: Observations) -> 
     return total
 
 
-def _covariance(
+def _covariances(
     view: View,
     guide: Guide,
     observations: Observations,
@@ -279,11 +294,11 @@ def _covariance(
     noise_px: float,
     correlation: float,
     plate: PlateFit,
-) -> Array:
-    """(13, 13): noise with its correlation, priors, and the distortion map's error, which all points share."""
+) -> tuple[Array, Array]:
+    """(13, 13) each: of noise with its correlation and priors; of the distortion map, whose error all points share."""
     noise_px = _worth_px(noise_px, correlation)
     jacobian = _design(view, guide, observations, priors, weight, noise_px)
-    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    inverse: Array = np.linalg.inv(jacobian.T @ jacobian).astype(np.float64)
     count = len(observations.along)
     gain = inverse @ (jacobian[:count] * (np.sqrt(weight) / noise_px)[:, None]).T
     basis = plate.map.basis(plate.map.raw_from_corrected(observations.measured))
@@ -291,4 +306,4 @@ def _covariance(
     for axis in (0, 1):
         spread = gain @ (observations.normals[:, axis, None] * basis)
         shared += spread @ plate.coefficient_covariance @ spread.T
-    return np.asarray(inverse + shared)
+    return inverse, shared

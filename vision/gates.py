@@ -4,29 +4,33 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2, norm
 
-from vision.contour import ContourFit, Observations
+from vision.contour import VIEW_PARAMETERS, ContourFit, Observations
+from vision.devices import Guide
 from vision.line_ends import LineEnd
-from vision.projection import View
+from vision.projection import View, project
 from vision.refusal import Refusal, RefusalCode
 from vision.registered import PredictedError
+from vision.uncertainty import aim_error
 from vision.wire_model import Wire, WireSamples
 
 Array = NDArray[np.float64]
 
 GREATEST_RESIDUAL_PX = 0.6  # robust noise of a ridge point; a good image has 0.1, and 0.6 still aims within 0.1 deg
-GREATEST_PULL_SD = 4.0  # docs/method.md: exchanged rings and wrong dimensions show in the priors alone
+FALSE_REFUSAL = 1e-4  # probability, for each test of the device files, that files which are right fail it
+GREATEST_PULL_SD = float(norm.isf(FALSE_REFUSAL / 2.0))  # of one quantity, over the spread that its pull should have
 GREATEST_LINE_END_PX = 1.5
 GREATEST_TILT_RAD = math.radians(45.0)
 LEAST_RING_COVERAGE = 0.5  # of the directions about a ring's centre that hold accepted points
 LEAST_LINE_COVERAGE = 0.4
 LEAST_LINE_COVERAGE_WITHOUT_ENDS = 0.7  # where rings or balls cover both ends, the line itself must be seen well
 GREATEST_GAP_RAD = math.radians(100.0)  # of a ring, though nothing known covers it: less than 260 deg hold it loosely
-GREATEST_BEAD_SD = 4.0
-GREATEST_TOGETHER = 21.7  # 99 % of chi-square, 7 priors and the bead's 2: a ring separation off strains all a little
+GREATEST_BEAD_SD = math.sqrt(chi2.isf(FALSE_REFUSAL, 2))
 GREATEST_SCALE_OFF = 0.06  # relative: the plate's pixel size against the C-arm file's; distances of plate and SID
 GREATEST_PREDICTED_RAD = math.radians(0.25)  # half of what counts as a wrong registration, 0.5 deg and 1.0 mm
 GREATEST_PREDICTED_MM = 0.5
+_AIMS_MM = 40.0 * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])  # as far as guides are moved
 _SECTORS = 72
 
 
@@ -48,11 +52,38 @@ def check_residual(fit: ContourFit) -> Refusal | None:
 
 
 def check_pulls(fit: ContourFit) -> Refusal | None:
-    """No prior may be strained: guide and C-arm are those of the files."""
-    name, pull = max(fit.pulls_sd.items(), key=lambda item: abs(item[1]))
-    if not abs(pull) <= GREATEST_PULL_SD:
-        message = f"the image contradicts the device files: {name} is off (standard deviations)"
-        return Refusal(RefusalCode.GUIDE_MISMATCH, message, abs(pull), GREATEST_PULL_SD)
+    """No prior may be strained, alone or with the others: guide and C-arm are those of the files."""
+    strain = fit.strain
+    worst = int(np.argmax(np.abs(strain.deviations)))
+    deviation = abs(float(strain.deviations[worst]))
+    if not deviation <= GREATEST_PULL_SD:
+        message = f"the image contradicts the device files: {strain.names[worst]} is off (standard deviations)"
+        return Refusal(RefusalCode.GUIDE_MISMATCH, message, deviation, GREATEST_PULL_SD)
+    greatest = float(chi2.isf(FALSE_REFUSAL, max(strain.freedom, 1)))
+    if not strain.joint <= greatest:
+        message = f"the image contradicts the device files together (chi-square of {strain.freedom} degrees of freedom)"
+        return Refusal(RefusalCode.GUIDE_MISMATCH, message, strain.joint, greatest)
+    return None
+
+
+def check_trust(fit: ContourFit, guide: Guide) -> Refusal | None:
+    """No single quantity of the files may decide the aim against the image.
+
+    The aim is computed once more without trust in each of them. A wrong dimension that the pulls do not yet show, as a
+    ring separation 5 % off, moves the aim by what it would cost.
+    """
+    places = np.column_stack((_AIMS_MM, np.zeros(len(_AIMS_MM))))
+    pixels = project(fit.view, places)
+    for name, step in zip(fit.strain.names, fit.strain.freed_steps[:, :VIEW_PARAMETERS], strict=True):
+        errors = [aim_error(fit.view, step, guide, pixel) for pixel in pixels]
+        angle_rad, position_mm = max(angle for angle, _ in errors), max(position for _, position in errors)
+        if not angle_rad <= GREATEST_PREDICTED_RAD:
+            message = f"the aim hangs on the file's {name}: without it, it turns (deg)"
+            limit = math.degrees(GREATEST_PREDICTED_RAD)
+            return Refusal(RefusalCode.GUIDE_MISMATCH, message, math.degrees(angle_rad), limit)
+        if not position_mm <= GREATEST_PREDICTED_MM:
+            message = f"the aim hangs on the file's {name}: without it, it moves (mm)"
+            return Refusal(RefusalCode.GUIDE_MISMATCH, message, position_mm, GREATEST_PREDICTED_MM)
     return None
 
 
@@ -119,15 +150,11 @@ def check_line_ends(ends: list[LineEnd], least_amplitude: float) -> Refusal | No
     return None
 
 
-def check_bead(distance_sd: float, fit: ContourFit) -> Refusal | None:
-    """The bead's centre against its prediction by the rings and the line, alone and together with the priors' pulls."""
+def check_bead(distance_sd: float) -> Refusal | None:
+    """The bead's centre against its prediction by the rings and the line."""
     if not distance_sd <= GREATEST_BEAD_SD:
         message = "the bead is not where the guide file puts it (standard deviations)"
         return Refusal(RefusalCode.GUIDE_MISMATCH, message, distance_sd, GREATEST_BEAD_SD)
-    together = distance_sd**2 + sum(pull**2 for pull in fit.pulls_sd.values())
-    if not together <= GREATEST_TOGETHER:
-        message = "bead and priors together contradict the device files (chi-square of 9 degrees of freedom)"
-        return Refusal(RefusalCode.GUIDE_MISMATCH, message, together, GREATEST_TOGETHER)
     return None
 
 

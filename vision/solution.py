@@ -78,7 +78,12 @@ def _with_bead(last: Round, scene: Scene) -> Solution | Refusal:
     if isinstance(measured, Refusal):
         return measured
     fit = fit_contour(last.fit.view, last.fit.guide, measured.observations, scene.priors, scene.plate)
-    refusal = gates.check_residual(fit) or gates.check_pulls(fit) or gates.check_tilt(fit.view)
+    refusal = (
+        gates.check_residual(fit)
+        or gates.check_pulls(fit)
+        or gates.check_trust(fit, scene.guide)
+        or gates.check_tilt(fit.view)
+    )
     return refusal or Solution(fit, measured.observations, last.line_ends, bead)
 
 
@@ -125,7 +130,7 @@ def _bead(last: Round, scene: Scene) -> BeadEvidence | Refusal | None:
     place = np.array(guide.bead.position_mm)
     excess = evidence.centre_px - project(fit.view, place[None])[0]
     spread = _prediction_covariance(fit, place) + bead_sd_px(fit.view, guide) ** 2 * np.eye(2)
-    refusal = gates.check_bead(float(np.sqrt(excess @ np.linalg.solve(spread, excess))), fit)
+    refusal = gates.check_bead(float(np.sqrt(excess @ np.linalg.solve(spread, excess))))
     return refusal or evidence
 
 

@@ -81,6 +81,18 @@ def aim_covariance(
     return np.asarray(spread)
 
 
+def aim_error(
+    view: View, step: Array, guide: Guide, pixel_corrected: Array, depth_mm: float = DEFAULT_DEPTH_MM
+) -> tuple[float, float]:
+    """How wrong the aim by `view` would be, were a view a step away the truth: angle in rad, distance in mm.
+
+    The step (10,) is parametrised as in `Registration.covariance`; the other arguments are those of `predicted_error`.
+    """
+    guide_from_goal, _ = goal(view, pixel_corrected)
+    errors = _error_vectors(_moved(view, step), guide, pixel_corrected, depth_mm, guide_from_goal)
+    return float(np.linalg.norm(errors[:3])), float(np.linalg.norm(errors[3:]))
+
+
 def radius_95(covariance: Array) -> float:
     """Radius that holds 95 % of a plane Gaussian with this covariance, (2, 2) or (3, 3) of rank 2.
 

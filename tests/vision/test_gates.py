@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from vision.line_ends import LineEnd
 from vision.projection import Intrinsics, View
 from vision.refusal import Refusal, RefusalCode
 from vision.registered import PredictedError
+from vision.strain import Strain
 from vision.wire_model import Wire, WireSamples
 
 PULLS = ("source_to_image", "square", "centre_u", "centre_v", "small_radius", "big_radius", "separation")
@@ -33,6 +35,7 @@ def fit(guide: Guide) -> ContourFit:
         noise_px=0.1,
         correlation=3.0,
         pulls_sd=dict.fromkeys(PULLS, 0.0),
+        strain=Strain(PULLS, np.zeros(7), 0.0, 7, np.zeros((7, 13))),
         covariance=np.eye(13),
     )
 
@@ -119,27 +122,65 @@ def test_line_ends_in_place_pass_others_do_not() -> None:
     assert missing.code is RefusalCode.LINE_MISSING
 
 
-@pytest.mark.parametrize("name", PULLS)
+def strained(fit: ContourFit, **changes: Any) -> ContourFit:
+    """The fit with other tests of its priors."""
+    return replace(fit, strain=replace(fit.strain, **changes))
+
+
+@pytest.mark.parametrize("prior", range(7))
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_a_strained_prior_is_named(fit: ContourFit, name: str, sign: float) -> None:
+def test_a_strained_prior_is_named(fit: ContourFit, prior: int, sign: float) -> None:
     inside, outside = (
-        gates.check_pulls(replace(fit, pulls_sd=fit.pulls_sd | {name: sign * gates.GREATEST_PULL_SD * factor}))
+        gates.check_pulls(strained(fit, deviations=np.eye(7)[prior] * sign * gates.GREATEST_PULL_SD * factor))
         for factor in (LIMIT_JUST_BELOW, LIMIT_JUST_ABOVE)
     )
     assert inside is None
     assert outside is not None
     assert outside.code is RefusalCode.GUIDE_MISMATCH
-    assert name in outside.message
+    assert PULLS[prior] in outside.message
 
 
-def test_small_strains_of_all_add_up(fit: ContourFit) -> None:
-    strained = replace(fit, pulls_sd=dict.fromkeys(PULLS, 1.5))
-    assert gates.check_bead(1.0, strained) is None
-    assert gates.check_bead(3.9, fit) is None
-    for distance_sd, strain in ((3.0, strained), (4.1, fit), (math.nan, fit)):
-        refusal = gates.check_bead(distance_sd, strain)
-        assert refusal is not None
-        assert refusal.code is RefusalCode.GUIDE_MISMATCH
+def test_limits_are_those_of_one_false_refusal_in_ten_thousand() -> None:
+    limits = (gates.GREATEST_PULL_SD, gates.GREATEST_BEAD_SD)
+    np.testing.assert_allclose(limits, (3.891, 4.292), atol=1e-3)  # tables of the normal and of chi-square
+
+
+@pytest.mark.parametrize(("joint", "freedom", "passes"), [(29.8, 7, True), (30.0, 7, False), (24.0, 4, False)])
+def test_all_pulls_are_judged_together(fit: ContourFit, joint: float, freedom: int, passes: bool) -> None:
+    refusal = gates.check_pulls(strained(fit, joint=joint, freedom=freedom))
+    assert (refusal is None) is passes
+    assert refusal is None or refusal.code is RefusalCode.GUIDE_MISMATCH
+
+
+def test_pulls_that_are_no_numbers_are_refused(fit: ContourFit) -> None:
+    assert gates.check_pulls(strained(fit, deviations=np.full(7, np.nan))) is not None
+    assert gates.check_pulls(strained(fit, joint=math.nan)) is not None
+
+
+def test_an_aim_that_hangs_on_one_dimension_is_refused(fit: ContourFit, guide: Guide) -> None:
+    """A turn about the source's x axis by as much turns the aim; a turn of 0.2 deg moves it 0.49 mm at the target."""
+    turn, steps = np.radians(0.2), np.zeros((7, 13))
+    for factor, passes in ((0.9, True), (1.3, False)):
+        steps[6, 4] = turn * factor
+        refusal = gates.check_trust(strained(fit, freed_steps=steps), guide)
+        assert (refusal is None) is passes
+        assert refusal is None or "separation" in refusal.message
+
+
+def test_an_aim_is_judged_where_targets_are_not_only_under_the_guide(fit: ContourFit, guide: Guide) -> None:
+    """A longer source distance with the guide as much farther changes the aim to the side alone."""
+    steps = np.zeros((7, 13))
+    steps[0, [0, 1, 9]] = 0.2 * np.array([2844.0, 2844.0, 750.0])
+    refusal = gates.check_trust(strained(fit, freed_steps=steps), guide)
+    assert refusal is not None
+    assert "source_to_image" in refusal.message
+
+
+@pytest.mark.parametrize(("distance_sd", "passes"), [(4.2, True), (4.4, False), (math.nan, False)])
+def test_bead_is_held_to_its_place(distance_sd: float, passes: bool) -> None:
+    refusal = gates.check_bead(distance_sd)
+    assert (refusal is None) is passes
+    assert refusal is None or refusal.code is RefusalCode.GUIDE_MISMATCH
 
 
 @pytest.mark.parametrize(("tilt_deg", "passes"), [(0.0, True), (44.9, True), (45.1, False), (179.0, False)])
