@@ -89,7 +89,7 @@ def aim_error(
     The step (10,) is parametrised as in `Registration.covariance`; the other arguments are those of `predicted_error`.
     """
     guide_from_goal, _ = goal(view, pixel_corrected)
-    errors = _error_vectors(_moved(view, step), guide, pixel_corrected, depth_mm, guide_from_goal)
+    errors = _error_vectors(moved_view(view, step), guide, pixel_corrected, depth_mm, guide_from_goal)
     return float(np.linalg.norm(errors[:3])), float(np.linalg.norm(errors[3:]))
 
 
