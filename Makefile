@@ -8,10 +8,10 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests bench samples scenes faulted format docs lock
+.PHONY: help demo run test check tests audit-bench bench samples scenes faulted format docs lock
 
 help:  ## this list
-	@grep -hE '^[a-z]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
+	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
 
 demo: $(VENV)/.runtime  ## four pedicle screws, from C-arm to sleeve, in a simulated room
 	$(BIN)/coaxial demo
@@ -47,6 +47,9 @@ scenes: $(VENV)/.runtime  ## register random rendered scenes against their truth
 faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong each, PROCESSES=2; results kept in FOLDER
 	$(BIN)/python benchmarks/faulted.py --count $(or $(COUNT),1000) --processes $(or $(PROCESSES),2) \
 	  --folder $(or $(FOLDER),$(VENV)/faulted)
+
+audit-bench: $(VENV)/.runtime  ## how fast the ledger is verified, read and written; COUNT=100000 entries
+	$(BIN)/python benchmarks/audit.py --count $(or $(COUNT),100000)
 
 format: $(VENV)/.test  ## write the house format
 	$(BIN)/ruff format --quiet .

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from alembic import op
 
 _POSTGRESQL_FUNCTION = """
-CREATE FUNCTION refuse_change() RETURNS trigger AS $$
+CREATE OR REPLACE FUNCTION refuse_change() RETURNS trigger AS $$
 BEGIN RAISE EXCEPTION '% is append-only', TG_TABLE_NAME; END;
 $$ LANGUAGE plpgsql
 """

@@ -9,11 +9,13 @@ import service.auth.router
 import service.cases.router
 import service.devices.router
 import service.images.router
+import service.ledger.router
 from service import room_status
 from service.assembly import assemble
 from service.conductor.background import conducting
 from service.conductor.routers import CONDUCTOR_ROUTERS
 from service.edge import Edge
+from service.ledger.keeping import keeping_ledger
 from service.openapi import described_by
 from service.parts import Parts
 from service.problem_json import add_problem_handlers
@@ -27,10 +29,11 @@ ROUTERS: tuple[APIRouter, ...] = (
     service.cases.router.router,
     service.devices.router.router,
     service.images.router.router,
+    service.ledger.router.router,
     *CONDUCTOR_ROUTERS,
 )
 # What runs beside the requests: entered in this order once the parts are up, left in reverse before they close.
-BACKGROUND: tuple[Callable[[FastAPI, Parts], AbstractAsyncContextManager[None]], ...] = (conducting,)
+BACKGROUND: tuple[Callable[[FastAPI, Parts], AbstractAsyncContextManager[None]], ...] = (keeping_ledger, conducting)
 
 _DESCRIPTION = "Robot-assisted needle placement under C-arm fluoroscopy. Research software, not for clinical use."
 

@@ -4,6 +4,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.errors import ErrorCode, ServiceError
+from service.ledger.speaker import speak_as
 from service.problem_json import answer_error
 
 _SECURITY_HEADERS = {
@@ -15,7 +16,7 @@ _SECURITY_HEADERS = {
 
 
 class Edge:
-    """ASGI middleware: a limit on bodies, counted as they arrive, and the security headers."""
+    """ASGI middleware: who speaks, a limit on bodies, counted as they arrive, and the security headers."""
 
     def __init__(self, app: ASGIApp, max_body_bytes: int) -> None:
         self._app = app
@@ -23,6 +24,8 @@ class Edge:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """One request or WebSocket."""
+        if scope["type"] in ("http", "websocket"):
+            speak_as((scope.get("client") or ("",))[0], Headers(scope=scope).get("user-agent", ""))
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return

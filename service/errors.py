@@ -53,6 +53,8 @@ class ErrorCode(StrEnum):
     DATABASE_FAULT = "database_fault"
     DATABASE_BUSY = "database_busy"
     SCHEMA_UNKNOWN = "schema_unknown"
+    LEDGER_BROKEN = "ledger_broken"
+    KEY_REFUSED = "key_refused"
     ROOM_CLAIMED = "room_claimed"
     VISION_DEADLINE = "vision_deadline"
     VISION_CRASHED = "vision_crashed"
@@ -154,6 +156,12 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.DATABASE_FAULT: Answer(503, "Check the disk and the database; nothing was changed. Stop still works."),
     ErrorCode.DATABASE_BUSY: Answer(503, "Try again in a moment; nothing was changed."),
     ErrorCode.SCHEMA_UNKNOWN: Answer(503, "Start the version that wrote the database, or a newer one."),
+    ErrorCode.LEDGER_BROKEN: Answer(
+        503, "Run `coaxial audit verify` and keep the database as it is; stop still works."
+    ),
+    ErrorCode.KEY_REFUSED: Answer(
+        500, "Give the file to its owner alone (mode 0600), or name another in the settings."
+    ),
     ErrorCode.ROOM_CLAIMED: Answer(409, "Stop the other service of this room, or give this one a room of its own."),
     ErrorCode.VISION_DEADLINE: Answer(503, "Try again; if it repeats, take a new image."),
     ErrorCode.VISION_CRASHED: Answer(503, "Try again; the image worker was restarted."),

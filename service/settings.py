@@ -69,6 +69,16 @@ class VisionSettings(_Section):
     memory_bytes: int = Field(default=3_000_000_000, gt=0)
 
 
+class AuditSettings(_Section):
+    """Where the ledger's key lies, and where its head is kept outside the database (H26)."""
+
+    key_file: Path | None = None  # None: audit/signing.key in the data folder
+    anchor_file: Path | None = None  # None: audit/head.json there; better on another machine's disk
+    syslog_host: str | None = None  # signed checkpoints go there over TLS (RFC 5425)
+    syslog_port: int = Field(default=6514, ge=1, le=65535)
+    syslog_ca_file: Path | None = None  # None: the system's certificate authorities
+
+
 class ProcedureLimits(_Section):
     """The limits of the procedure; degrees and mm are 95 % bounds (error + its uncertainty)."""
 
@@ -95,6 +105,17 @@ class Settings(BaseSettings):
     session: SessionSettings = SessionSettings()
     vision: VisionSettings = VisionSettings()
     limits: ProcedureLimits = ProcedureLimits()
+    audit: AuditSettings = AuditSettings()
+
+    @property
+    def key_file(self) -> Path:
+        """The key that signs checkpoints."""
+        return self.audit.key_file or self.data_folder / "audit" / "signing.key"
+
+    @property
+    def anchor_file(self) -> Path:
+        """Where the ledger's newest entry is noted outside the database."""
+        return self.audit.anchor_file or self.data_folder / "audit" / "head.json"
 
     @classmethod
     def settings_customise_sources(

@@ -12,6 +12,7 @@ from argon2.exceptions import InvalidHashError, VerificationError
 from sqlalchemy.engine import Connection
 from sqlalchemy.exc import IntegrityError
 
+from service.audit import record_audit
 from service.auth.permissions import Role
 from service.database import tables
 from service.database.clock import now_utc
@@ -48,6 +49,7 @@ class UserStore:
         try:
             with self._database.write() as connection:
                 connection.execute(sa.insert(tables.users).values(values))
+                record_audit(connection, "user_added", None, {"user_id": user.id, "name": name, "role": role.value})
         except IntegrityError as error:
             raise ServiceError(ErrorCode.USER_EXISTS, f"there is a user {name} already") from error
         return user
@@ -83,6 +85,7 @@ class UserStore:
             connection.execute(
                 sa.update(tables.sessions).where(tables.sessions.c.user_id == row.id).values(revoked_at=now)
             )
+            record_audit(connection, "user_disabled", None, {"user_id": row.id, "name": name})
 
     @cached_property
     def _nobody(self) -> str:

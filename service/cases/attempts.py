@@ -8,31 +8,36 @@ from sqlalchemy.engine import Connection
 from service.cases.records import NewAttempt
 from service.database import tables
 from service.database.clock import now_utc
+from service.ledger.draft import describe
+from service.ledger.rows import add_rows
 
+_ATTEMPT = ("case_id", "user_id", "trigger", "accepted", "code", "message", "state")
 _VERDICT = ("code", "hazard", "passed", "measured", "limit", "unit", "message")
 
 
 def record_attempt(connection: Connection, attempt: NewAttempt) -> int:
     """Store an attempt with its verdicts; the number it got."""
-    number: int = connection.execute(
-        sa.insert(tables.attempts)
-        .values(
-            case_id=attempt.case_id,
-            user_id=attempt.user_id,
-            trigger=attempt.trigger,
-            accepted=attempt.accepted,
-            code=attempt.code,
-            message=attempt.message,
-            state=attempt.state,
-            recorded_at=now_utc(),
-        )
-        .returning(tables.attempts.c.id)
-    ).scalar_one()
+    values = {name: getattr(attempt, name) for name in _ATTEMPT} | {"recorded_at": now_utc()}
+    number = int(add_rows(connection, tables.attempts, [values])[0]["id"])
     rows = [
         {"attempt_id": number} | {name: getattr(verdict, name) for name in _VERDICT} for verdict in attempt.verdicts
     ]
     if rows:
-        connection.execute(sa.insert(tables.verdicts), rows)
+        add_rows(connection, tables.verdicts, rows)
+    describe(
+        connection,
+        action=attempt.trigger,
+        actor=attempt.user_id,
+        case_id=attempt.case_id,
+        before=attempt.state,
+        attempt_id=number,
+        payload={
+            "accepted": attempt.accepted,
+            "code": attempt.code,
+            "message": attempt.message,
+            "refused_by": [verdict.code for verdict in attempt.verdicts if not verdict.passed],
+        },
+    )
     return number
 
 

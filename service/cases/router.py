@@ -7,7 +7,7 @@ from fastapi import APIRouter, Depends, Query, Response
 from pydantic import BaseModel
 from sqlalchemy.engine import Connection
 
-from service.audit import list_audit
+from service.audit import record_reading
 from service.auth.dependencies import require
 from service.auth.permissions import Permission
 from service.auth.session import Session
@@ -98,28 +98,21 @@ def read_one_case(case_id: str, response: Response, _: Reader, parts: PartsOfRoo
 
 @router.get("/cases/{case_id}/audit", openapi_extra=may_fail_with(ErrorCode.CASE_UNKNOWN))
 def read_case_record(
-    case_id: str, _: AuditReader, parts: PartsOfRoom, after: Annotated[int, Query(ge=0, le=LARGEST_SEQUENCE)] = 0
+    case_id: str, session: AuditReader, parts: PartsOfRoom, after: Annotated[int, Query(ge=0, le=LARGEST_SEQUENCE)] = 0
 ) -> list[dict[str, Any]]:
     """The events of a case behind sequence `after`, each with the whole state after it."""
+    record_reading(parts.database, session.user_id, "case", {"case": case_id, "after": after})
     with parts.database.read() as connection:
         store.read_case(connection, case_id)
         return [asdict(event) for event in store.events_after(connection, case_id, after)]
 
 
-@router.get("/audit")
-def read_audit(
-    _: AuditReader, parts: PartsOfRoom, after: Annotated[int, Query(ge=0, le=LARGEST_SEQUENCE)] = 0
-) -> list[dict[str, Any]]:
-    """Audit events that belong to no case, behind number `after`."""
-    with parts.database.read() as connection:
-        return list_audit(connection, after)
-
-
 @router.get("/interlocks")
 def read_interlocks(
-    _: AuditReader, parts: PartsOfRoom, case_id: Annotated[str | None, Query(alias="case")] = None
+    session: AuditReader, parts: PartsOfRoom, case_id: Annotated[str | None, Query(alias="case")] = None
 ) -> list[dict[str, Any]]:
     """The newest attempts, accepted or refused, with the verdict of every interlock."""
+    record_reading(parts.database, session.user_id, "interlocks", {"case": case_id})
     with parts.database.read() as connection:
         return attempts.list_attempts(connection, case_id)
 

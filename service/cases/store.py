@@ -25,6 +25,8 @@ from service.cases.records import (
 from service.database import tables
 from service.database.clock import now_utc
 from service.errors import ErrorCode, ServiceError
+from service.ledger.draft import describe, draft_of
+from service.ledger.rows import add_rows
 from service.version import PRODUCT_VERSION
 
 _EVENT = (
@@ -47,23 +49,22 @@ def open_case(connection: Connection, case: NewCase, event: NewEvent) -> StoredE
     open_id = open_case_of(connection, case.room)
     if open_id is not None:
         raise ServiceError(ErrorCode.CASE_OPEN, f"room {case.room} has the open case {open_id}")
-    connection.execute(
-        sa.insert(tables.cases).values(
-            id=case.id,
-            room=case.room,
-            patient_id=case.patient_id,
-            study_uid=case.study_uid,
-            opened_by=case.opened_by,
-            product_version=PRODUCT_VERSION,
-            settings_sha256=case.settings_sha256,
-            devices=dict(case.devices),
-            opened_at=now_utc(),
-        )
-    )
+    values = {
+        "id": case.id,
+        "room": case.room,
+        "patient_id": case.patient_id,
+        "study_uid": case.study_uid,
+        "opened_by": case.opened_by,
+        "product_version": PRODUCT_VERSION,
+        "settings_sha256": case.settings_sha256,
+        "devices": dict(case.devices),
+        "opened_at": now_utc(),
+    }
+    add_rows(connection, tables.cases, [values])
     plans = [{"case_id": case.id, "name": name, "content": dict(plan)} for name, plan in case.planned_targets.items()]
     if plans:
-        connection.execute(sa.insert(tables.planned_targets), plans)
-    return _insert_event(connection, case.id, event, sequence=1, version=1)
+        add_rows(connection, tables.planned_targets, plans)
+    return _insert_event(connection, case.id, event, None, sequence=1, version=1)
 
 
 def append(
@@ -89,7 +90,7 @@ def append(
         )
     sequence = last.sequence + 1
     version = sequence if event.changes_state else last.version
-    stored = _insert_event(connection, case_id, event, sequence=sequence, version=version)
+    stored = _insert_event(connection, case_id, event, last.state, sequence=sequence, version=version)
     for artefact in artefacts:
         _insert_artefact(connection, stored, artefact)
     return stored
@@ -163,7 +164,9 @@ def artefacts_of(connection: Connection, kind: ArtefactKind, case_id: str) -> li
     return [_artefact(row) for row in connection.execute(query)]
 
 
-def _insert_event(connection: Connection, case_id: str, event: NewEvent, *, sequence: int, version: int) -> StoredEvent:
+def _insert_event(
+    connection: Connection, case_id: str, event: NewEvent, before: str | None, *, sequence: int, version: int
+) -> StoredEvent:
     stored = StoredEvent(
         case_id=case_id,
         sequence=sequence,
@@ -175,22 +178,23 @@ def _insert_event(connection: Connection, case_id: str, event: NewEvent, *, sequ
         data=dict(event.data),
         recorded_at=now_utc(),
     )
-    connection.execute(sa.insert(tables.events).values({name: getattr(stored, name) for name in _EVENT}))
+    add_rows(connection, tables.events, [{name: getattr(stored, name) for name in _EVENT}])
+    describe(connection, action=event.trigger, actor=event.user_id, case_id=case_id, before=before, after=event.state)
     return stored
 
 
 def _insert_artefact(connection: Connection, event: StoredEvent, artefact: NewArtefact) -> None:
-    connection.execute(
-        sa.insert(tables.metadata.tables[artefact.kind]).values(
-            id=artefact.id,
-            case_id=event.case_id,
-            sequence=event.sequence,
-            made_from=list(artefact.made_from),
-            content=dict(artefact.content),
-            recorded_at=event.recorded_at,
-            **artefact.columns,
-        )
-    )
+    values = {
+        "id": artefact.id,
+        "case_id": event.case_id,
+        "sequence": event.sequence,
+        "made_from": list(artefact.made_from),
+        "content": dict(artefact.content),
+        "recorded_at": event.recorded_at,
+        **artefact.columns,
+    }
+    add_rows(connection, tables.metadata.tables[artefact.kind], [values])
+    draft_of(connection).artefacts.append(artefact.id)
 
 
 def _event(row: sa.Row[Any]) -> StoredEvent:

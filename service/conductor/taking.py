@@ -12,10 +12,11 @@ from service.cases.attempts import record_attempt
 from service.cases.records import NewArtefact, NewAttempt, NewEvent, NewVerdict, StoredEvent
 from service.conductor.device_set import devices_of
 from service.conductor.snapshots import Held, measure
+from service.ledger.draft import describe
 from service.motion.arm_watch import ArmWatch
 from workflow.case import CaseState
 from workflow.case_json import from_json, to_json
-from workflow.decisions import Decision
+from workflow.decisions import Decision, Effect
 from workflow.facts import Facts
 from workflow.limits import Limits
 from workflow.machine import decide
@@ -97,6 +98,8 @@ def take(
         expected_version=version,
         artefacts=prepared.artefacts,
     )
+    if Effect.CHECKPOINT_SIGNED in answer.effects:
+        describe(standing.connection, checkpoint=answer.trigger)
     if prepared.also is not None:
         prepared.also(standing.connection, answer)
     return Taken(answer, standing.case, event, prepared)

@@ -15,6 +15,8 @@ from sqlalchemy.exc import DBAPIError, OperationalError
 
 from service.database.json_text import to_text
 from service.errors import ErrorCode, ServiceError
+from service.ledger.keys import Signer
+from service.ledger.sealing import sealed
 
 _BUSY_S = 15.0
 # Any constant will do, as long as every writer of this schema takes the same one.
@@ -29,12 +31,13 @@ class Database:
 
     writer: Engine
     reader: Engine
+    signer: Signer | None = None  # without one the ledger grows, but no checkpoint is signed
     on_commit: list[Callable[[], None]] = field(default_factory=list)
 
     @contextmanager
     def write(self) -> Iterator[Connection]:
-        """One write transaction: committed at the end, rolled back by an exception, never beside another one."""
-        with _typed_faults(), self.writer.begin() as connection:
+        """One write transaction: sealed and committed at its end, rolled back by an exception, never beside another."""
+        with _typed_faults(), self.writer.begin() as connection, sealed(connection, self.signer):
             yield connection
         for listener in self.on_commit:
             listener()
@@ -51,14 +54,14 @@ class Database:
         self.reader.dispose()
 
 
-def open_database(url: str) -> Database:
+def open_database(url: str, signer: Signer | None = None) -> Database:
     """Engines for `url`; the schema is the migrations' affair. Raises ServiceError where a PRAGMA does not hold."""
     address = sa.make_url(url)
     if address.get_backend_name() == "sqlite":
-        database = Database(_sqlite_engine(address, writes=True), _sqlite_engine(address, writes=False))
+        database = Database(_sqlite_engine(address, writes=True), _sqlite_engine(address, writes=False), signer)
     else:
         address = address.set(drivername="postgresql+psycopg")
-        database = Database(_postgresql_engine(address, writes=True), _postgresql_engine(address, writes=False))
+        database = Database(_postgresql_engine(address, writes=True), _postgresql_engine(address, writes=False), signer)
     with _typed_faults(), database.writer.connect():
         return database
 

@@ -5,7 +5,7 @@ numbers, never from times (H23).
 """
 
 import sqlalchemy as sa
-from sqlalchemy import JSON, BigInteger, Boolean, Column, Float, ForeignKey, Integer, LargeBinary, String, Table
+from sqlalchemy import JSON, BigInteger, Boolean, Column, Float, ForeignKey, Integer, LargeBinary, String, Table, Text
 
 metadata = sa.MetaData(
     naming_convention={
@@ -180,6 +180,8 @@ verdicts = Table(
     Column("limit", _OptionalJson),
     Column("unit", String, nullable=False),
     Column("message", String, nullable=False),
+    sa.Index("ix_verdicts_code_attempt_id", "code", "attempt_id"),
+    sa.Index("ix_verdicts_hazard_attempt_id", "hazard", "attempt_id"),
 )
 device_files = Table(
     "device_files",
@@ -238,6 +240,31 @@ motions = _artefact("motions", Column("trajectory", LargeBinary))
 evaluations = _artefact("evaluations", Column("image_id", ForeignKey("images.id"), nullable=False))
 insertions = _artefact("insertions")
 
+# --- the ledger over the records -------------------------------------------------------------------------------------
+# `entry` is what is hashed; the columns behind it repeat parts of it to be searched by.
+ledger = Table(
+    "ledger",
+    metadata,
+    Column("sequence", _RowNumber, primary_key=True, autoincrement=False),
+    Column("entry", Text, nullable=False),
+    Column("sha256", String(64), nullable=False),
+    Column("reached_at", String(32), nullable=False, index=True),
+    Column("case_id", String),
+    Column("actor", String),
+    Column("action", String, nullable=False),
+    Column("attempt_id", _RowNumber, unique=True),
+    sa.Index("ix_ledger_case_id_sequence", "case_id", "sequence"),
+    sa.Index("ix_ledger_actor_sequence", "actor", "sequence"),
+    sa.Index("ix_ledger_action_sequence", "action", "sequence"),
+)
+checkpoints = Table(
+    "checkpoints",
+    metadata,
+    Column("sequence", ForeignKey("ledger.sequence"), primary_key=True, autoincrement=False),
+    Column("statement", Text, nullable=False),
+    Column("signature", String(128), nullable=False),
+)
+
 RECORDS: tuple[Table, ...] = (
     cases,
     planned_targets,
@@ -258,4 +285,5 @@ RECORDS: tuple[Table, ...] = (
     evaluations,
     insertions,
 )
+LEDGER: tuple[Table, ...] = (ledger, checkpoints)
 MUTABLE: tuple[Table, ...] = (users, sessions, lock_outs, leases, room_claims, idempotency_keys)

@@ -13,6 +13,8 @@ from sqlalchemy.engine import Connection
 from service.database import tables
 from service.database.clock import now_utc
 from service.errors import ErrorCode, ServiceError
+from service.ledger.draft import describe
+from service.ledger.rows import add_rows
 
 
 class DeviceKind(StrEnum):
@@ -77,7 +79,8 @@ def add_device(connection: Connection, kind: DeviceKind, content: bytes, user_id
         uploaded_at=now_utc(),
     )
     values = {name: getattr(device, name) for name in StoredDevice.__slots__}
-    connection.execute(sa.insert(tables.device_files).values(**values, content=content))
+    add_rows(connection, tables.device_files, [values | {"content": content}])
+    describe(connection, action="device_stored", actor=user_id)
     return device
 
 

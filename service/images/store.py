@@ -13,6 +13,8 @@ from service.database import tables
 from service.database.clock import now_utc
 from service.errors import ErrorCode, ServiceError
 from service.images.dicom_header import DicomHeader
+from service.ledger.draft import describe
+from service.ledger.rows import add_rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +60,7 @@ def add_image(
     """Store the bytes, once however often they come, and this arrival of them."""
     sha256 = hashlib.sha256(content).hexdigest()
     if connection.execute(sa.select(1).where(tables.image_bytes.c.sha256 == sha256)).first() is None:
-        connection.execute(sa.insert(tables.image_bytes).values(sha256=sha256, content=content))
+        add_rows(connection, tables.image_bytes, [{"sha256": sha256, "content": content}])
     image = StoredImage(
         id=uuid4().hex,
         position=count_images(connection) + 1,
@@ -73,8 +75,8 @@ def add_image(
         metadata=header.metadata,
         received_at=now_utc(),
     )
-    values = {name: getattr(image, name) for name in StoredImage.__slots__}
-    connection.execute(sa.insert(tables.images).values(values))
+    add_rows(connection, tables.images, [{name: getattr(image, name) for name in StoredImage.__slots__}])
+    describe(connection, action="image_stored", payload={"image_id": image.id, "sha256": sha256})
     return image
 
 
@@ -112,16 +114,16 @@ def count_images(connection: Connection) -> int:
 
 def assign_purpose(connection: Connection, purpose: NewPurpose) -> None:
     """Record what an image is for; once per image."""
-    connection.execute(
-        sa.insert(tables.image_purposes).values(
-            image_id=purpose.image_id,
-            case_id=purpose.case_id,
-            purpose=purpose.purpose,
-            arm=dict(purpose.arm),
-            verdicts=[dict(verdict) for verdict in purpose.verdicts],
-            recorded_at=now_utc(),
-        )
-    )
+    values = {
+        "image_id": purpose.image_id,
+        "case_id": purpose.case_id,
+        "purpose": purpose.purpose,
+        "arm": dict(purpose.arm),
+        "verdicts": [dict(verdict) for verdict in purpose.verdicts],
+        "recorded_at": now_utc(),
+    }
+    add_rows(connection, tables.image_purposes, [values])
+    describe(connection, payload={"image_id": purpose.image_id, "purpose": purpose.purpose})
 
 
 def purpose_of(connection: Connection, image_id: str) -> NewPurpose | None:

@@ -124,7 +124,7 @@ def test_wrong_answers_are_in_the_audit(database, proofs, anna):
     _code(proofs.sign_in, "anna", "wrong")
     with database.read() as connection:
         kinds = connection.execute(sa.select(tables.audit_events.c.kind)).scalars().all()
-    assert kinds == ["wrong_answer"]
+    assert kinds == ["user_added", "wrong_answer"]
 
 
 def test_a_session_locks_after_a_pause_and_expires_at_its_end(sessions, anna, clock):

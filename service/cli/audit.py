@@ -1,0 +1,163 @@
+"""`coaxial audit`: read the ledger, verify it, show the public key that its checkpoints are signed with.
+
+Exit status: 0 done, 1 the verification found something, 3 refused. What is heavy is imported where it is used.
+"""
+
+import getpass
+import os
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import datetime
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from service.ledger.findings import Verification
+    from service.ledger.keys import Verifier
+    from service.settings import Settings
+
+audit = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True)
+
+_FOUND, _REFUSED = 1, 3
+_SHOWN = 100
+ConfigOption = Annotated[Path | None, typer.Option(help="Settings file (TOML); COAXIAL_ variables win.")]
+DataFolderOption = Annotated[Path | None, typer.Option(help="Where the database is kept.")]
+Word = Annotated[str | None, typer.Option()]
+
+
+class FormatOption(StrEnum):
+    """Choices of --format; the values are those of service.ledger.exports.ExportFormat."""
+
+    JSONL = "jsonl"
+    CSV = "csv"
+
+
+@audit.callback()
+def audits() -> None:
+    """The record: read it, verify it."""
+
+
+@audit.command()
+def key(config: ConfigOption = None, data_folder: DataFolderOption = None) -> None:
+    """Print the public key, made where there is none: keep it outside this machine, and verify with it."""
+    from service.ledger.keys import signing_key
+
+    with _settings(config, data_folder) as settings:
+        verifier = signing_key(settings.key_file).verifier
+        typer.echo(f"private key: {settings.key_file}\npublic key, SHA-256 {verifier.name}:", err=True)
+        typer.echo(verifier.pem, nl=False)
+
+
+@audit.command("list")
+def list_entries(
+    case: Word = None,
+    actor: Word = None,
+    action: Word = None,
+    interlock: Word = None,
+    hazard: Word = None,
+    since: Annotated[datetime | None, typer.Option(help="UTC.")] = None,
+    until: Annotated[datetime | None, typer.Option(help="UTC; this moment is not in it.")] = None,
+    after: Annotated[int, typer.Option(help="Entries behind this number.", min=0)] = 0,
+    limit: Annotated[int, typer.Option(help="At most so many; 0: all.", min=0)] = 200,
+    form: Annotated[FormatOption, typer.Option("--format")] = FormatOption.CSV,
+    config: ConfigOption = None,
+    data_folder: DataFolderOption = None,
+) -> None:
+    """Print entries, oldest first: CSV for reading, JSON Lines for every entry whole. This is an entry itself."""
+    from itertools import islice
+
+    from service.audit import record_reading
+    from service.database.clock import as_utc
+    from service.database.current import current_database
+    from service.ledger.exports import ExportFormat, export
+    from service.ledger.listing import Wanted
+
+    times = [as_utc(at) if at is not None else None for at in (since, until)]
+    wanted = Wanted(case, actor, action, interlock, hazard, *times)
+    with _settings(config, data_folder) as settings, current_database(settings) as database:
+        record_reading(database, None, "audit list", {"after": after, "limit": limit})
+        for line in islice(export(database, wanted, ExportFormat(form), after), None if limit == 0 else limit):
+            typer.echo(line, nl=False)
+
+
+@audit.command()
+def verify(
+    public_key: Annotated[
+        list[Path] | None, typer.Option(help="Public key (PEM), again for each; else the one beside the private key.")
+    ] = None,
+    anchor: Annotated[Path | None, typer.Option(help="Anchor file; else that of the settings.")] = None,
+    workers: Annotated[int, typer.Option(help="Processes; they yield to other work.", min=1)] = os.cpu_count() or 1,
+    config: ConfigOption = None,
+    data_folder: DataFolderOption = None,
+) -> None:
+    """Find every change, insertion, deletion, swap, cut and rewriting, and say where. Nothing is repaired."""
+    from service.database.engines import open_database
+    from service.ledger.keys import public_file
+    from service.ledger.verifying import verify as verify_ledger
+
+    with _settings(config, data_folder) as settings:
+        verifiers = _verifiers(public_key or [public_file(settings.key_file)])
+        database = open_database(settings.database_url)
+        started_s = time.monotonic()
+        try:
+            found = verify_ledger(database, verifiers, anchor or settings.anchor_file, workers, _progress)
+        finally:
+            database.close()
+        _tell(found, time.monotonic() - started_s)
+        _record(settings, found)
+    if found.findings:
+        raise typer.Exit(_FOUND)
+
+
+def _verifiers(files: list[Path]) -> "dict[str, Verifier]":
+    from service.ledger.keys import public_key
+
+    verifiers = [public_key(file) for file in files]
+    return {verifier.name: verifier for verifier in verifiers}
+
+
+def _progress(entries: int) -> None:
+    typer.echo(f"\r{entries} entries", nl=False, err=True)
+
+
+def _tell(found: "Verification", took_s: float) -> None:
+    typer.echo("", err=True)
+    for finding in found.findings[:_SHOWN]:
+        typer.echo(f"{finding.where}: {finding.what}")
+    if len(found.findings) > _SHOWN:
+        typer.echo(f"and {len(found.findings) - _SHOWN} more")
+    looked_at = f"{found.entries} entries, {found.rows} rows, {found.checkpoints} checkpoints"
+    rate = f"{took_s:.1f} s, {found.entries / max(took_s, 1e-3):.0f} entries a second"
+    typer.echo(f"{looked_at} in {rate}: {len(found.findings) or 'nothing'} found")
+
+
+def _record(settings: "Settings", found: "Verification") -> None:
+    """That somebody looked is an entry itself, where the ledger still takes one."""
+    from service.audit import record_audit
+    from service.database.current import current_database
+    from service.errors import ServiceError
+
+    try:
+        with current_database(settings) as database, database.write() as connection:
+            data = {"entries": found.entries, "findings": len(found.findings)}
+            record_audit(connection, "ledger_verified", None, data)
+    except ServiceError as error:
+        typer.echo(f"not recorded: {error.message}", err=True)
+
+
+@contextmanager
+def _settings(config: Path | None, data_folder: Path | None) -> "Iterator[Settings]":
+    from service.errors import ServiceError, answer_for
+    from service.ledger.speaker import speak_as
+    from service.settings import load_settings
+
+    speak_as("command line", getpass.getuser())
+    try:
+        yield load_settings(config, {} if data_folder is None else {"data_folder": data_folder})
+    except ServiceError as error:
+        typer.echo(f"{error.code}: {error.message}. {answer_for(error.code).what_to_do}", err=True)
+        raise typer.Exit(_REFUSED) from error

@@ -1,0 +1,77 @@
+"""Walks the ledger from one entry to another: every text has its hash, every entry follows the one before it."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import orjson
+import sqlalchemy as sa
+from sqlalchemy.engine import Connection
+
+from service.database import tables
+from service.ledger.entries import BEFORE_THE_FIRST, REPEATED, Head, sha256_of
+from service.ledger.findings import Verification
+
+_A_TIME = 2000
+_REPEATED = ("sequence", *REPEATED)
+_LEDGER = tables.ledger.c
+Entry = dict[str, Any]
+
+
+class ChainCheck:
+    """The state between two entries: what the next must be."""
+
+    def __init__(self, connection: Connection, verification: Verification, first: int, last: int) -> None:
+        self._connection = connection
+        self._verification = verification
+        self._before = _before(connection, first)
+        self._end = last
+
+    def entries(self) -> Iterator[list[Entry]]:
+        """The readable entries, some at a time, with what is wrong found on the way."""
+        columns = [_LEDGER[name] for name in (*_REPEATED, "entry", "sha256", "reached_at")]
+        place: sa.BindParameter[int] = sa.bindparam("place")
+        query = sa.select(*columns).where(_LEDGER.sequence > place, _LEDGER.sequence <= self._end)
+        query = query.order_by(_LEDGER.sequence).limit(_A_TIME)
+        while rows := self._connection.execute(query, {"place": self._before.sequence}).cursor.fetchall():
+            yield [entry for row in rows if (entry := self._entry(*row)) is not None]
+            self._verification.entries += len(rows)
+
+    def _entry(self, *row: Any) -> Entry | None:
+        *repeated, text, sha256, reached_at = row
+        sequence, find = repeated[0], self._verification.find
+        if sequence != self._before.sequence + 1:
+            find(f"entry {self._before.sequence + 1}", f"missing up to entry {sequence - 1}: deleted, or never there")
+        if not isinstance(text, str) or sha256_of(text) != sha256:
+            find(f"entry {sequence}", "its text has not its hash: changed")
+        entry = _parsed(text)
+        if entry is None:
+            find(f"entry {sequence}", "its text is no entry: changed")
+        else:
+            self._follow(entry, repeated, reached_at)
+        self._before = Head(sequence, sha256, reached_at)
+        return entry
+
+    def _follow(self, entry: Entry, repeated: list[Any], reached_at: str) -> None:
+        where, find = f"entry {repeated[0]}", self._verification.find
+        if entry.get("previous") != self._before.sha256:
+            find(where, "does not follow the entry before it: one of the two is not what was written")
+        if [entry.get(name) for name in _REPEATED] != repeated:
+            find(where, "a column that repeats its text says otherwise: changed")
+        expected = max(self._before.reached_at, str(entry.get("recorded_at")))
+        if reached_at != expected:
+            find(where, f"reached_at is {reached_at} instead of {expected}: changed")
+
+
+def _before(connection: Connection, first: int) -> Head:
+    """What stands before an entry; where that is missing too, the walk that ends there has said so."""
+    query = sa.select(_LEDGER.sequence, _LEDGER.sha256, _LEDGER.reached_at).where(_LEDGER.sequence < first)
+    row = connection.execute(query.order_by(_LEDGER.sequence.desc()).limit(1)).first()
+    return BEFORE_THE_FIRST if row is None else Head(*row)
+
+
+def _parsed(text: Any) -> Entry | None:
+    try:
+        entry = orjson.loads(text)
+    except (ValueError, TypeError):
+        return None
+    return entry if isinstance(entry, dict) and isinstance(entry.get("rows"), dict) else None

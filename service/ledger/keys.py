@@ -1,0 +1,109 @@
+"""The key that signs checkpoints (Ed25519): made once, kept in a file that only its owner may read."""
+
+import hashlib
+import os
+import stat
+from dataclasses import dataclass
+from pathlib import Path
+
+from cryptography.exceptions import InvalidSignature
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
+from cryptography.hazmat.primitives.serialization import (
+    Encoding,
+    NoEncryption,
+    PrivateFormat,
+    PublicFormat,
+    load_pem_private_key,
+    load_pem_public_key,
+)
+
+from service.errors import ErrorCode, ServiceError
+
+_OTHERS = stat.S_IRWXG | stat.S_IRWXO
+
+
+@dataclass(frozen=True, slots=True)
+class Verifier:
+    """A public key, and the name that signed statements give it."""
+
+    key: Ed25519PublicKey
+
+    @property
+    def name(self) -> str:
+        """SHA-256 of the raw public key."""
+        return hashlib.sha256(self.key.public_bytes(Encoding.Raw, PublicFormat.Raw)).hexdigest()
+
+    @property
+    def pem(self) -> str:
+        """The key as text, to be kept outside the machine."""
+        return self.key.public_bytes(Encoding.PEM, PublicFormat.SubjectPublicKeyInfo).decode()
+
+    def confirms(self, text: str, signature: str) -> bool:
+        """Whether this key has signed the text."""
+        try:
+            self.key.verify(bytes.fromhex(signature), text.encode())
+        except (InvalidSignature, ValueError):
+            return False
+        return True
+
+
+@dataclass(frozen=True, slots=True)
+class Signer:
+    """The private key."""
+
+    key: Ed25519PrivateKey
+    verifier: Verifier
+
+    def sign(self, text: str) -> str:
+        """The signature, hexadecimal."""
+        return self.key.sign(text.encode()).hex()
+
+
+def signing_key(file: Path) -> Signer:
+    """The key in `file`, made where there is none; ServiceError KEY_REFUSED where others may read it."""
+    if not file.exists():
+        _make_key(file)
+    owner, mode = file.stat().st_uid, stat.S_IMODE(file.stat().st_mode)
+    if owner != os.geteuid() or mode & _OTHERS:
+        raise ServiceError(
+            ErrorCode.KEY_REFUSED, f"{file} may be read by others than its owner", measured=f"{mode:04o}", limit="0600"
+        )
+    try:
+        key = load_pem_private_key(file.read_bytes(), password=None)
+    except ValueError as error:
+        raise ServiceError(ErrorCode.KEY_REFUSED, f"{file} holds no private key") from error
+    if not isinstance(key, Ed25519PrivateKey):
+        raise ServiceError(ErrorCode.KEY_REFUSED, f"{file} holds no Ed25519 key")
+    return Signer(key, Verifier(key.public_key()))
+
+
+def public_key(file: Path) -> Verifier:
+    """The public key in `file` (PEM); ServiceError KEY_REFUSED."""
+    try:
+        key = load_pem_public_key(file.read_bytes())
+    except (OSError, ValueError) as error:
+        raise ServiceError(ErrorCode.KEY_REFUSED, f"{file} holds no public key") from error
+    if not isinstance(key, Ed25519PublicKey):
+        raise ServiceError(ErrorCode.KEY_REFUSED, f"{file} holds no Ed25519 key")
+    return Verifier(key)
+
+
+def public_file(file: Path) -> Path:
+    """Where the public half of a key file lies."""
+    return file.with_suffix(".pub")
+
+
+def _make_key(file: Path) -> None:
+    file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    key = Ed25519PrivateKey.generate()
+    pem = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
+    # Created with its rights, never narrowed afterwards: in between others could open it.
+    try:
+        descriptor = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    except FileExistsError:  # another process was quicker; its key is the one
+        return
+    with os.fdopen(descriptor, "wb") as opened:
+        opened.write(pem)
+        opened.flush()
+        os.fsync(opened.fileno())
+    public_file(file).write_text(Verifier(key.public_key()).pem)

@@ -1,0 +1,234 @@
+"""H26: whoever has the database file and not the key changes nothing that a verification does not find, and place."""
+
+import hashlib
+import json
+import random
+import shutil
+import sqlite3
+
+import pytest
+import rfc8785
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+
+from service.audit import record_audit
+from service.database import tables
+from service.ledger.anchor import advance_anchor
+from service.ledger.checkpoints import statement_on
+from service.ledger.entries import Head
+from service.ledger.keys import Signer, Verifier
+
+_COLUMNS = [(table.name, column.name) for table in (*tables.RECORDS, *tables.LEDGER) for column in table.columns]
+_TEXT = ("recorded_at", "content", "entry", "statement", "room", "code")
+_FILE_FLIPS = 40
+
+
+def _flipped(value, bit):
+    """The value with one bit changed, in the form that SQLite stores; what is missing appears."""
+    match value:
+        case None | "":
+            return "'x'"
+        case int():
+            return str(value ^ 1)
+        case float():
+            return repr(value + abs(value) * 2**-50)
+        case bytes():
+            return f"x'{bytes([value[0] ^ 1]).hex()}{value[1:].hex()}'"
+        case _:
+            raw = value.encode()
+            place = len(raw) // 2
+            changed = raw[:place] + bytes([raw[place] ^ bit]) + raw[place + 1 :]
+            return f"CAST(x'{changed.hex()}' AS TEXT)"
+
+
+def test_an_untouched_record_is_whole(record):
+    assert record.findings() == []
+
+
+@pytest.mark.parametrize(
+    ("table", "column", "bit"),
+    [
+        *((table, column, 0x01) for table, column in _COLUMNS),
+        *((table, column, 0x80) for table, column in _COLUMNS if column in _TEXT),  # no UTF-8 any more
+    ],
+)
+def test_a_flipped_bit_is_found_in_every_column(record, table, column, bit):
+    def flip(connection):
+        rowid, value = connection.execute(
+            f'SELECT rowid, "{column}" FROM {table} ORDER BY "{column}" IS NULL LIMIT 1'
+        ).fetchone()
+        connection.execute(f'UPDATE {table} SET "{column}" = {_flipped(value, bit)} WHERE rowid = {rowid}')
+
+    record.attack(flip)
+    places = {"ledger": ("entry", "missing"), "checkpoints": ("checkpoint",)}.get(table, (table,))
+    assert any(where.startswith(places) for where in record.wheres())
+
+
+@pytest.mark.parametrize("seed", range(_FILE_FLIPS))
+def test_a_bit_flipped_anywhere_in_the_file_is_found_or_changes_no_record(record, kept_record, seed):
+    content = bytearray(record.file.read_bytes())
+    place = random.Random(seed).randrange(len(content) * 8)
+    content[place // 8] ^= 1 << place % 8
+    record.file.write_bytes(content)
+    try:
+        found = record.findings()
+    except Exception as error:  # noqa: BLE001  # a file that no longer opens is found, too
+        found = [error]
+    assert found or _dump(record) == _dump(kept_record)
+
+
+def _dump(record):
+    with sqlite3.connect(record.file) as connection:
+        rows = [connection.execute(f"SELECT * FROM {t.name}").fetchall() for t in (*tables.RECORDS, *tables.LEDGER)]
+    connection.close()
+    return rows
+
+
+@pytest.mark.parametrize("table", tables.RECORDS, ids=lambda table: table.name)
+def test_a_deleted_row_is_named(record, table):
+    record.attack(lambda c: c.execute(f"DELETE FROM {table.name} WHERE rowid = (SELECT max(rowid) FROM {table.name})"))
+    (where,) = record.wheres()
+    assert where.startswith(f"{table.name} ")
+
+
+@pytest.mark.parametrize("table", tables.RECORDS, ids=lambda table: table.name)
+def test_an_inserted_row_is_named(record, table):
+    names = ", ".join(f'"{column.name}"' for column in table.columns)
+    forged = {"sequence": "777", "position": "777", "sha256": "'f'", "name": "'forged'", "image_id": "'forged'"}
+    forged["id"] = "777" if table.columns[0].type.python_type is int else "'forged'"
+    values = ", ".join(forged.get(column.name, f'"{column.name}"') for column in table.columns)
+    record.attack(lambda c: c.execute(f"INSERT INTO {table.name} ({names}) SELECT {values} FROM {table.name} LIMIT 1"))
+    assert any(where.startswith(f"{table.name} ") for where in record.wheres())
+
+
+def test_two_rows_with_their_contents_swapped_are_both_named(record):
+    def swap(connection):
+        rows = dict(connection.execute("SELECT sequence, recorded_at FROM events WHERE case_id = 'case-1'"))
+        for sequence, other in ((3, 4), (4, 3)):
+            query = "UPDATE events SET recorded_at = ? WHERE case_id = 'case-1' AND sequence = ?"
+            connection.execute(query, [rows[other], sequence])
+
+    record.attack(swap)
+    assert record.wheres() == {"events case-1/3", "events case-1/4"}
+
+
+def test_two_swapped_entries_are_both_named(record):
+    def swap(connection):
+        rows = dict(connection.execute("SELECT sequence, entry FROM ledger WHERE sequence IN (5, 6)"))
+        for sequence, other in ((5, 6), (6, 5)):
+            connection.execute("UPDATE ledger SET entry = ? WHERE sequence = ?", [rows[other], sequence])
+
+    record.attack(swap)
+    assert record.wheres() >= {"entry 5", "entry 6"}
+
+
+def test_a_deleted_entry_is_named(record):
+    record.attack(lambda c: c.execute("DELETE FROM ledger WHERE sequence = 7"))
+    assert "entry 7" in record.wheres()
+
+
+def test_a_deleted_checkpoint_is_named(record):
+    record.attack(lambda c: c.execute("DELETE FROM checkpoints WHERE sequence = 1"))
+    (finding,) = record.findings()
+    assert "one is missing" in finding.what
+    record.attack(lambda c: c.execute("DELETE FROM checkpoints"))
+    assert any("always signed" in finding.what for finding in record.findings())
+
+
+def test_a_cut_end_is_seen_by_the_anchor(record):
+    """The last transaction, with its entry and its row: what is left is consistent in itself."""
+
+    def cut(connection):
+        connection.execute("DELETE FROM ledger WHERE sequence = (SELECT max(sequence) FROM ledger)")
+        connection.execute("DELETE FROM audit_events WHERE id = (SELECT max(id) FROM audit_events)")
+
+    record.attack(cut)
+    (finding,) = record.findings()
+    assert finding.where == "anchor"
+    assert "the end was cut off" in finding.what
+
+
+def test_an_old_copy_is_seen_by_the_anchor(record, tmp_path):
+    old = shutil.copy(record.file, tmp_path / "old")
+    database = record.open()
+    with database.write() as connection:
+        record_audit(connection, "signed_in", None, {})
+    advance_anchor(database, record.anchor, record.signer)
+    database.close()
+    assert record.findings() == []
+    shutil.copy(old, record.file)
+    assert record.wheres() == {"anchor"}
+
+
+def _rehash(connection, first, change):
+    """Change an entry and write every later one anew, so that the chain holds."""
+    rows = connection.execute("SELECT sequence, entry FROM ledger WHERE sequence >= ?", [first]).fetchall()
+    previous = json.loads(rows[0][1])["previous"]
+    for sequence, text in rows:
+        entry = json.loads(text) | {"previous": previous}
+        if sequence == first:
+            change(entry)
+        text = rfc8785.dumps(entry).decode()
+        previous = hashlib.sha256(text.encode()).hexdigest()
+        connection.execute(
+            "UPDATE ledger SET entry = ?, sha256 = ?, action = ? WHERE sequence = ?",
+            [text, previous, entry["action"], sequence],
+        )
+
+
+def _rename(entry):
+    entry["action"] = "forged"
+
+
+def test_a_history_hashed_anew_without_the_key_is_not_what_was_signed(record):
+    record.attack(lambda connection: _rehash(connection, 4, _rename))
+    findings = record.findings()
+    assert {finding.where.split()[0] for finding in findings} == {"entries", "anchor"}
+    assert findings[0].where.startswith("entries 2 to ")
+
+
+def test_an_unsigned_end_hashed_anew_is_not_what_was_anchored(record):
+    def rehash(connection):
+        (newest,) = connection.execute("SELECT max(sequence) FROM ledger").fetchone()
+        _rehash(connection, newest, _rename)
+
+    record.attack(rehash)
+    (finding,) = record.findings()
+    assert finding.where == "anchor"
+    assert "written anew" in finding.what
+
+
+def test_checkpoints_signed_anew_with_another_key_are_unknown(record):
+    key = Ed25519PrivateKey.generate()
+    other = Signer(key, Verifier(key.public_key()))
+
+    def rewrite(connection):
+        _rehash(connection, 4, _rename)
+        last = 0
+        for (sequence,) in connection.execute("SELECT sequence FROM checkpoints ORDER BY sequence").fetchall():
+            (sha256,) = connection.execute("SELECT sha256 FROM ledger WHERE sequence = ?", [sequence]).fetchone()
+            statement = statement_on(Head(sequence, sha256, ""), other, reason="count", previous=last)
+            values = [statement, other.sign(statement), sequence]
+            connection.execute("UPDATE checkpoints SET statement = ?, signature = ? WHERE sequence = ?", values)
+            last = sequence
+
+    record.attack(rewrite)
+    assert any("unknown key" in finding.what for finding in record.findings())
+
+
+def test_a_missing_or_forged_anchor_is_a_finding(record):
+    kept = json.loads(record.anchor.read_text())
+    record.anchor.write_text(json.dumps(kept | {"statement": kept["statement"].replace('"sequence":', '"sequence":1')}))
+    assert record.wheres() == {"anchor"}
+    record.anchor.write_text("no anchor")
+    assert record.wheres() == {"anchor"}
+    record.anchor.unlink()
+    assert record.wheres() == {"anchor"}
+
+
+def test_an_emptied_record_is_no_new_record(record):
+    def empty(connection):
+        for table in (*tables.RECORDS, *tables.LEDGER):
+            connection.execute(f"DELETE FROM {table.name}")
+
+    record.attack(empty)
+    assert {"ledger", "anchor"} <= record.wheres()
