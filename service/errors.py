@@ -180,6 +180,7 @@ ANSWERS: dict[str, Answer] = {
     ),
     "plate_missing": Answer(422, "Mount the correction plate, then expose again."),
     "plate_too_sparse": Answer(422, "Uncover the correction plate, then expose again."),
+    "plate_unexpected": Answer(422, "Choose the C-arm file of this detector, with its plate, or take the plate off."),
     "scale_mismatch": Answer(422, "Check that the C-arm file belongs to this C-arm and the image was not scaled."),
     "residual_too_high": Answer(422, "Hold everything still and expose again; check that the guide is not bent."),
     "predicted_error_too_high": Answer(422, "Choose a view in which the rings appear larger and further apart."),

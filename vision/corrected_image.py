@@ -9,7 +9,7 @@ from vision import gates
 from vision.absorption import Absorption, absorption
 from vision.devices import CArm
 from vision.distortion import DistortionMap, PlateFit, exact
-from vision.plate import find_lattice
+from vision.plate import MOST_CHANCE_BALLS, balls_on_any_lattice, find_lattice
 from vision.plate_fit import fit
 from vision.refusal import Refusal, RefusalCode
 from vision.xray import XrayImage
@@ -61,8 +61,8 @@ def correct(image: XrayImage, carm: CArm) -> CorrectedImage | Refusal:
     Returns
     -------
     CorrectedImage or Refusal
-        `no_guide_found` where hardly any beam arrived, `plate_missing`, `plate_too_sparse`, or `scale_mismatch` where
-        the plate contradicts the file's pixel size.
+        `no_guide_found` where hardly any beam arrived, `plate_missing`, `plate_too_sparse`, `plate_unexpected` where
+        the file knows of none, or `scale_mismatch` where the plate contradicts the file's pixel size.
     """
     seen = absorption(image)
     field_share = seen.field_area_px / seen.inside.size
@@ -71,10 +71,19 @@ def correct(image: XrayImage, carm: CArm) -> CorrectedImage | Refusal:
         return Refusal(RefusalCode.NO_GUIDE_FOUND, message, field_share, _LEAST_FIELD_SHARE)
     file_pixel_mm = carm.field_of_view_mm / max(image.rows, image.columns)
     if carm.plate is None:
-        return CorrectedImage(seen, exact(DistortionMap.identity(image.rows, image.columns, file_pixel_mm)), 0.0)
+        return _without_plate(seen, image, file_pixel_mm)
     lattice = find_lattice(seen, carm.plate, file_pixel_mm)
     if isinstance(lattice, Refusal):
         return lattice
     plate = fit(lattice.raw, lattice.places, image.rows, image.columns, carm.plate.ball_spacing_mm)
     refusal = gates.check_scale(plate.map.pixel_size_mm, file_pixel_mm)
     return refusal or CorrectedImage(seen, plate, carm.plate.ball_diameter_mm / 2.0 / plate.map.pixel_size_mm)
+
+
+def _without_plate(seen: Absorption, image: XrayImage, file_pixel_mm: float) -> CorrectedImage | Refusal:
+    """H06: nothing is bent, unless balls show that it is an intensifier's image after all."""
+    balls = balls_on_any_lattice(seen, file_pixel_mm)
+    if balls > MOST_CHANCE_BALLS:
+        message = "balls of a correction plate, of which the C-arm file knows nothing"
+        return Refusal(RefusalCode.PLATE_UNEXPECTED, message, balls, MOST_CHANCE_BALLS)
+    return CorrectedImage(seen, exact(DistortionMap.identity(image.rows, image.columns, file_pixel_mm)), 0.0)

@@ -16,9 +16,12 @@ from vision.spots import fit_spots
 Array = NDArray[np.float64]
 
 LEAST_BALLS = 150  # four for each term of a polynomial of degree 7
+MOST_CHANCE_BALLS = LEAST_BALLS // 2  # spots of bone and instruments are found on a lattice by the dozen at most
 LEAST_FIELD_SHARE = 0.55  # of the lattice places inside the field that hold a ball
 _CONTRAST_SD = 6.0  # of the noise of the blob measure
 _MOST_CANDIDATES = 4000
+_USUAL_DIAMETER_MM = 2.0
+_USUAL_SPACINGS_MM = (9.0, 15.0, 25.0)  # each with a quarter to either side
 _SPACING_WITHIN = 0.25  # relative, of the lattice's neighbours around the file's scale: distortion and SID
 _STEP_WITHIN = 0.2  # of the spacing: how far a ball may lie from where its neighbours predict it
 _SEED_CANDIDATES = 600
@@ -66,6 +69,23 @@ def find_lattice(absorption: Absorption, plate: Plate, pixel_size_mm: float) -> 
         return Refusal(RefusalCode.PLATE_TOO_SPARSE, message, share, LEAST_FIELD_SHARE)
     spots = fit_spots(absorption.values, candidates[members], radius_px)
     return Lattice(spots.raw[spots.settled], places[spots.settled].astype(np.float64))
+
+
+def balls_on_any_lattice(absorption: Absorption, pixel_size_mm: float) -> int:
+    """Balls on the largest lattice of a usual plate, where the C-arm file knows of none.
+
+    Only as many of the strongest spots are looked at as a lattice would have balls: among more, chance finds some.
+    """
+    candidates = _candidates(absorption, _USUAL_DIAMETER_MM / 2.0 / pixel_size_mm)
+    most = 0
+    if len(candidates) < MOST_CHANCE_BALLS:
+        return most
+    for spacing_px in np.array(_USUAL_SPACINGS_MM) / pixel_size_mm:
+        strongest = candidates[: round(absorption.field_area_px / spacing_px**2)]
+        steps = _lattice_steps(strongest, spacing_px)
+        if steps is not None:
+            most = max(most, len(_grown(strongest, steps)[0]))
+    return most
 
 
 def _candidates(absorption: Absorption, radius_px: float) -> Array:

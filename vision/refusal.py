@@ -16,6 +16,7 @@ class RefusalCode(StrEnum):
     HANDEDNESS_UNPROVED = "handedness_unproved"
     PLATE_MISSING = "plate_missing"
     PLATE_TOO_SPARSE = "plate_too_sparse"
+    PLATE_UNEXPECTED = "plate_unexpected"
     SCALE_MISMATCH = "scale_mismatch"
     RESIDUAL_TOO_HIGH = "residual_too_high"
     PREDICTED_ERROR_TOO_HIGH = "predicted_error_too_high"

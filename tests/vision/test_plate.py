@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from vision.absorption import Absorption
 from vision.devices import Plate
-from vision.plate import Lattice, find_lattice
+from vision.plate import MOST_CHANCE_BALLS, Lattice, balls_on_any_lattice, find_lattice
 from vision.refusal import Refusal, RefusalCode
 
 Array = NDArray[np.float64]
@@ -100,3 +100,17 @@ def test_a_lattice_of_another_scale_is_not_taken(scale: float) -> None:
     refusal = find_lattice(shown(truth), PLATE, PIXEL_MM * scale)
     assert isinstance(refusal, Refusal)
     assert refusal.code in {RefusalCode.PLATE_MISSING, RefusalCode.PLATE_TOO_SPARSE}
+
+
+@pytest.mark.parametrize("scale", [0.62, 0.8, 1.0, 1.6])
+def test_a_plate_is_noticed_whatever_its_spacing(scale: float) -> None:
+    """The image is the same; the balls are closer or farther apart by the size of a pixel."""
+    image = shown(places_px(0.3, (4.3, -11.8)))
+    assert balls_on_any_lattice(image, PIXEL_MM * scale) > MOST_CHANCE_BALLS
+
+
+def test_spots_without_order_are_no_plate() -> None:
+    rng = np.random.default_rng(5)
+    for spots in (0, 60, 150):
+        strewn = 511.5 + 350.0 * rng.uniform(-1.0, 1.0, (spots, 2))
+        assert balls_on_any_lattice(shown(strewn), PIXEL_MM) <= MOST_CHANCE_BALLS

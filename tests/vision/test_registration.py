@@ -202,6 +202,13 @@ def test_an_intensifier_without_its_plate_is_refused(attempt: Callable[..., Any]
     refused(attempt(bare.pixels, bare.truth), RefusalCode.PLATE_MISSING)
 
 
+@pytest.mark.parametrize(("group", "seed"), [("ii", 8), ("steep", 13), ("strong", 15)])
+def test_an_intensifier_taken_for_a_flat_panel_is_refused(
+    group: str, seed: int, guide: Guide, flat_panel: CArm
+) -> None:
+    refused(register(image_of(rendered(group, seed).pixels), guide, flat_panel), RefusalCode.PLATE_UNEXPECTED)
+
+
 @pytest.mark.parametrize("factor", [0.5, 1.6])
 def test_another_pixel_scale_is_refused(factor: float, guide: Guide, intensifier: CArm, flat_panel: CArm) -> None:
     for group, seed, carm in (("ii", 8, intensifier), ("flat", 30, flat_panel)):
