@@ -81,6 +81,10 @@ class Coaxial:
         """An image's bytes as they arrived."""
         return self._answer(self._http.get(f"/images/{image_id}/original")).content
 
+    def findings(self, image_id: str) -> bytes:
+        """What was found in an image whose registration was refused, as a PNG file."""
+        return self._answer(self._http.get(f"/images/{image_id}/findings")).content
+
     def get(self, path: str) -> Json:
         """GET below /api; Refused for every error."""
         return self._answer(self._http.get(path)).json()  # type: ignore[no-any-return]  # JSON

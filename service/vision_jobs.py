@@ -3,6 +3,7 @@
 The shapes are those of the command line: a refusal is `{"status": "refused", "reason": {...}}`.
 """
 
+import base64
 from collections.abc import Callable
 from typing import Any
 
@@ -11,10 +12,12 @@ import numpy as np
 from service.vision_echo import draw_point
 from vision import carm_angles as angles
 from vision.devices import read_carm, read_guide
+from vision.drawing import draw, png
 from vision.evaluation import evaluate as evaluate_image
+from vision.inspection import inspect
 from vision.refusal import Refusal
-from vision.registered import PixelSpace
-from vision.registration import register as register_image
+from vision.registered import PixelSpace, Registration
+from vision.registration import examine
 from vision.registration_json import from_json, to_json
 from vision.result_json import carm_angles_to_json, evaluation_to_json, refusal_to_json, targeting_to_json
 from vision.targeting import target as aim
@@ -24,10 +27,16 @@ Json = dict[str, Any]
 
 
 def register(image: bytes, guide: bytes, carm: bytes) -> Json:
-    """Find the guide in an image."""
+    """Find the guide in an image; a refusal comes with a picture of what was found."""
     decoded = decode(image)
-    result = decoded if isinstance(decoded, Refusal) else register_image(decoded, read_guide(guide), read_carm(carm))
-    return refusal_to_json(result) if isinstance(result, Refusal) else to_json(result)
+    if isinstance(decoded, Refusal):
+        return refusal_to_json(decoded)
+    guide_file = read_guide(guide)
+    findings = examine(decoded, guide_file, read_carm(carm))
+    if isinstance(findings.result, Registration):
+        return to_json(findings.result)
+    picture = png(draw(inspect(decoded, guide_file, findings)))
+    return refusal_to_json(findings.result) | {"findings_png_base64": base64.b64encode(picture).decode()}
 
 
 def target(registration: Json, pixel: tuple[float, float], space: str, depth_mm: float) -> Json:

@@ -1,6 +1,7 @@
 """From an arriving image to a registration or an evaluation: one image after the other, off the event loop."""
 
 import asyncio
+import base64
 import math
 from collections.abc import Callable
 from functools import partial
@@ -14,6 +15,7 @@ from service.conductor.conductor import Conductor, new_id
 from service.conductor.image_work import Json, evaluate_image, quality_of, register_image
 from service.conductor.taking import Prepared, Taken
 from service.errors import ErrorCode, ServiceError
+from service.images.findings import findings_key, keep_findings
 from service.images.store import images_without_purpose
 from workflow.decisions import Effect
 from workflow.facts import Evaluated, RegistrationCompleted, RegistrationRefused, VerificationRefused
@@ -84,9 +86,7 @@ class ImageFlow:
         except ServiceError as error:
             result = _failed(error)
         if result["status"] == "refused":
-            refused = RegistrationRefused(image_id, result["reason"]["code"])
-            prepared = Prepared(refused, data={"image_id": image_id, "reason": result["reason"]})
-            await self._observe(case_id, Trigger.REGISTRATION_REFUSED, prepared)
+            await self._observe(case_id, Trigger.REGISTRATION_REFUSED, _refused(image_id, result))
             return
         facts = RegistrationCompleted(new_id(), image_id, quality_of(result))
         artefact = registration_artefact(facts.registration_id, image_id, result)
@@ -131,6 +131,19 @@ async def _until_free(record: Callable[[], object], image_id: str) -> None:
             await asyncio.sleep(_BUSY_PAUSE_S)
         else:
             return
+
+
+def _refused(image_id: str, result: Json) -> Prepared:
+    """A refused registration; the picture of what was found, where image work came to one, commits with it."""
+    facts = RegistrationRefused(image_id, result["reason"]["code"])
+    data = {"image_id": image_id, "reason": result["reason"]}
+    encoded = result.get("findings_png_base64")
+    if encoded is None:
+        return Prepared(facts, data=data)
+    picture = base64.b64decode(encoded)
+    return Prepared(
+        facts, data=data | findings_key(picture), also=lambda connection, _: keep_findings(connection, picture)
+    )
 
 
 def registration_artefact(registration_id: str, image_id: str, result: Json) -> NewArtefact:

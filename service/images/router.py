@@ -1,4 +1,4 @@
-"""Images: list, metadata, original bytes."""
+"""Images: list, metadata, original bytes, and what was found in those that were refused."""
 
 from dataclasses import asdict
 from typing import Annotated, Any
@@ -12,6 +12,7 @@ from service.auth.permissions import Permission
 from service.auth.session import Session
 from service.errors import ErrorCode
 from service.images import store
+from service.images.findings import findings_of
 from service.images.store import StoredImage
 from service.openapi import may_fail_with
 from service.parts import Parts, parts_of
@@ -63,6 +64,17 @@ def read_original(image_id: str, _: Reader, parts: PartsOfRoom) -> Response:
     """The bytes as they arrived, checked against their hash."""
     with parts.database.read() as connection:
         return Response(store.original_bytes(connection, image_id), media_type="application/dicom")
+
+
+@router.get(
+    "/images/{image_id}/findings",
+    response_class=Response,
+    openapi_extra=may_fail_with(ErrorCode.IMAGE_UNKNOWN, ErrorCode.FINDINGS_UNKNOWN),
+)
+def read_findings(image_id: str, _: Reader, parts: PartsOfRoom) -> Response:
+    """What was found in an image whose registration was refused, and what failed, as a picture (PNG)."""
+    with parts.database.read() as connection:
+        return Response(findings_of(connection, image_id), media_type="image/png")
 
 
 def _view(connection: Connection, image: StoredImage) -> ImageView:

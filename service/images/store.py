@@ -58,9 +58,7 @@ def add_image(
     source: Mapping[str, Any],
 ) -> StoredImage:
     """Store the bytes, once however often they come, and this arrival of them."""
-    sha256 = hashlib.sha256(content).hexdigest()
-    if connection.execute(sa.select(1).where(tables.image_bytes.c.sha256 == sha256)).first() is None:
-        add_rows(connection, tables.image_bytes, [{"sha256": sha256, "content": content}])
+    sha256 = keep_bytes(connection, content)
     image = StoredImage(
         id=uuid4().hex,
         position=count_images(connection) + 1,
@@ -90,11 +88,23 @@ def read_image(connection: Connection, image_id: str) -> StoredImage:
 
 def original_bytes(connection: Connection, image_id: str) -> bytes:
     """The bytes as they arrived; ServiceError IMAGE_UNKNOWN, or DATABASE_FAULT where they are not those any more."""
-    image = read_image(connection, image_id)
-    query = sa.select(tables.image_bytes.c.content).where(tables.image_bytes.c.sha256 == image.sha256)
+    return kept_bytes(connection, read_image(connection, image_id).sha256)
+
+
+def keep_bytes(connection: Connection, content: bytes) -> str:
+    """Store bytes, once however often they come; their SHA-256 names them."""
+    sha256 = hashlib.sha256(content).hexdigest()
+    if connection.execute(sa.select(1).where(tables.image_bytes.c.sha256 == sha256)).first() is None:
+        add_rows(connection, tables.image_bytes, [{"sha256": sha256, "content": content}])
+    return sha256
+
+
+def kept_bytes(connection: Connection, sha256: str) -> bytes:
+    """Bytes that are kept; ServiceError DATABASE_FAULT where they are not those any more."""
+    query = sa.select(tables.image_bytes.c.content).where(tables.image_bytes.c.sha256 == sha256)
     content: bytes = connection.execute(query).scalar_one()
-    if hashlib.sha256(content).hexdigest() != image.sha256:
-        raise ServiceError(ErrorCode.DATABASE_FAULT, f"the stored bytes of image {image_id} have changed")
+    if hashlib.sha256(content).hexdigest() != sha256:
+        raise ServiceError(ErrorCode.DATABASE_FAULT, f"the stored bytes {sha256} have changed")
     return content
 
 

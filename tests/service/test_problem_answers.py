@@ -38,6 +38,7 @@ def _problem(response: httpx.Response) -> dict:
         ("GET", "/cases/unknown/audit", 404, "case_unknown"),
         ("GET", "/images/unknown", 404, "image_unknown"),
         ("GET", "/images/unknown/original", 404, "image_unknown"),
+        ("GET", "/images/unknown/findings", 404, "image_unknown"),
         ("GET", "/devices/unknown/original", 404, "device_unknown"),
         ("POST", "/devices/laser", 422, "malformed_request"),
         ("GET", "/audit?after=-1", 422, "malformed_request"),
