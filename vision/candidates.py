@@ -7,8 +7,7 @@ from vision.corrected_image import CorrectedImage
 from vision.curvature import Curvature
 from vision.detection import AxisRange, Effort, RingCandidate, ring_candidates
 from vision.devices import CArm, Guide
-from vision.first_pose import FirstView, LineDirections, consistent_pairs, first_views
-from vision.profiles import ProfileReader
+from vision.first_pose import LineDirections, RingView, consistent_pairs
 from vision.projection import Intrinsics
 from vision.refusal import Refusal, RefusalCode
 from vision.ring_alignment import aligned
@@ -21,10 +20,11 @@ _MOST_VIEWS = 6  # refined in full
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidates:
-    """Rings found in the image, and the first views made of them or why there are none."""
+    """Rings found in the image, the pairs made of them or why there are none, and where lines show."""
 
     rings: list[RingCandidate]
-    views: list[FirstView] | Refusal
+    pairs: list[RingView] | Refusal
+    directions: LineDirections
 
 
 def wire_width_px(guide: Guide, carm: CArm, nominal: Intrinsics) -> float:
@@ -33,10 +33,8 @@ def wire_width_px(guide: Guide, carm: CArm, nominal: Intrinsics) -> float:
     return guide.wire_diameter_mm * nominal.alpha_x_px / depth_mm
 
 
-def find_candidates(
-    image: CorrectedImage, guide: Guide, carm: CArm, priors: Priors, reader: ProfileReader, effort: Effort
-) -> Candidates:
-    """First views worth refining.
+def find_candidates(image: CorrectedImage, guide: Guide, carm: CArm, priors: Priors, effort: Effort) -> Candidates:
+    """Pairs of rings worth looking for a line.
 
     Parameters
     ----------
@@ -44,15 +42,13 @@ def find_candidates(
         Where to look.
     guide, carm, priors
         The device files and what they predict.
-    reader : ProfileReader
-        Of the image.
     effort : Effort
         How hard to look.
 
     Returns
     -------
     Candidates
-        At least one view, or a refusal: `no_guide_found` where no ring is seen, `ring_missing` where no two belong
+        At least one pair, or a refusal: `no_guide_found` where no ring is seen, `ring_missing` where no two belong
         together.
     """
     nominal = priors.nominal
@@ -64,12 +60,10 @@ def find_candidates(
         greatest_px=per_mm * guide.big_ring_radius_mm / _NEAREST_SHARE,
     )
     rings = ring_candidates(ridge, axes, effort)
-    return Candidates(rings, _views(rings, LineDirections(curvature, image.plate.map), guide, priors, reader))
+    return Candidates(rings, _pairs(rings, guide, priors), LineDirections(curvature, image.plate.map))
 
 
-def _views(
-    rings: list[RingCandidate], directions: LineDirections, guide: Guide, priors: Priors, reader: ProfileReader
-) -> list[FirstView] | Refusal:
+def _pairs(rings: list[RingCandidate], guide: Guide, priors: Priors) -> list[RingView] | Refusal:
     if not rings:
         return Refusal(RefusalCode.NO_GUIDE_FOUND, "rings of the guide's size found", 0, 2)
     pairs = consistent_pairs(rings, guide, priors.nominal)[:_MOST_PAIRS]
@@ -77,8 +71,7 @@ def _views(
         message = "no two of the rings found belong to one guide: consistent pairs"
         return Refusal(RefusalCode.RING_MISSING, message, 0, 1)
     upright = aligned(pairs, guide, priors)[:_MOST_VIEWS]
-    firsts = [first for view in upright for first in first_views(view, guide, directions, reader)]
-    if not firsts:
+    if not upright:
         message = "no two of the rings found can be those of the guide file: pairs that can"
         return Refusal(RefusalCode.GUIDE_MISMATCH, message, 0, 1)
-    return firsts
+    return upright

@@ -37,7 +37,7 @@ class Effort:
     refined: int
 
 
-QUICK = Effort(6_000, 40)  # enough for rings as conspicuous as they mostly are
+QUICK = Effort(5_000, 40)  # enough for rings as conspicuous as they mostly are
 THOROUGH = Effort(100_000, 150)  # a faint ring among 5,000 ridge points still gets tens of triples of its own
 
 
@@ -86,19 +86,17 @@ def ring_candidates(ridge: Ridge, axes: AxisRange, effort: Effort = THOROUGH) ->
         return []
     nearest = RidgeMap(ridge)
     forms = _hypotheses(ridge, nearest, axes, effort.triples)
-    forms = _different(forms, nearest.support(forms, _SAMPLES, _LOOSE, _NORMALS_WITHIN), ridge.spacing_px, effort)
+    support = nearest.support(forms, _SAMPLES, _LOOSE, _NORMALS_WITHIN)
+    forms = forms[_different(forms, support, _LEAST_FIRST_SUPPORT, _ALIKE * ridge.spacing_px, effort)]
     for within in (2.0 * _LOOSE, _LOOSE, _TIGHT):
         forms = nearest.refitted(forms, _FINE_SAMPLES, within, _NORMALS_WITHIN)
         forms = forms[axes.holds(forms)]
     support = nearest.support(forms, _FINE_SAMPLES, _TIGHT, _NORMALS_WITHIN)
-    distinct: list[RingCandidate] = []
-    for index in np.argsort(-support, kind="stable"):
-        if support[index] < LEAST_SUPPORT:
-            break
-        ellipse = fit_ellipse(ridge.points[nearest.followers(forms[index], _TIGHT, _NORMALS_WITHIN)])
-        if ellipse is not None and not any(_same(ellipse, d.ellipse, ridge.spacing_px) for d in distinct):
-            distinct.append(RingCandidate(ellipse, float(support[index])))
-    return distinct
+    chosen = _different(forms, support, LEAST_SUPPORT, _SAME * ridge.spacing_px, effort)
+    followers = (nearest.followers(forms[index], _TIGHT, _NORMALS_WITHIN) for index in chosen)
+    ellipses = (fit_ellipse(ridge.points[on]) for on in followers)
+    found = zip(ellipses, support[chosen].tolist(), strict=True)
+    return [RingCandidate(ellipse, share) for ellipse, share in found if ellipse is not None]
 
 
 def _hypotheses(ridge: Ridge, nearest: RidgeMap, axes: AxisRange, triples: int) -> Array:
@@ -125,24 +123,17 @@ def _hypotheses(ridge: Ridge, nearest: RidgeMap, axes: AxisRange, triples: int) 
     return np.asarray(forms[axes.holds(forms)])
 
 
-def _different(forms: Array, support: Array, spacing_px: float, effort: Effort) -> Array:
-    """The best supported of the hypotheses (h, 5), leaving out those like a better one.
+def _different(forms: Array, support: Array, least: float, alike_px: float, effort: Effort) -> list[int]:
+    """Indices of the best supported of the ellipses (h, 5), leaving out those like a better one.
 
     A conspicuous circle (the guide's housing seen end-on) is voted for by hundreds of triples, which would crowd out
     the guide's own rings.
     """
     order = np.argsort(-support, kind="stable")
-    forms = forms[order[support[order] >= _LEAST_FIRST_SUPPORT]]
-    left = np.column_stack((forms[:, :2], *semi_axes(forms)))
+    order = order[support[order] >= least]
+    measures = np.column_stack((forms[:, :2], *semi_axes(forms)))
     chosen: list[int] = []
-    free = np.ones(len(forms), dtype=bool)
-    while free.any() and len(chosen) < effort.refined:
-        first = int(np.argmax(free))
-        chosen.append(first)
-        free &= np.abs(left - left[first]).max(axis=1) > _ALIKE * spacing_px
-    return np.asarray(forms[chosen])
-
-
-def _same(one: Ellipse, other: Ellipse, spacing_px: float) -> bool:
-    apart = np.abs(np.subtract(one.centre_px + one.semi_axes_px, other.centre_px + other.semi_axes_px))
-    return bool(apart.max() < _SAME * spacing_px)
+    while len(order) and len(chosen) < effort.refined:
+        chosen.append(int(order[0]))
+        order = order[np.abs(measures[order] - measures[order[0]]).max(axis=1) > alike_px]
+    return chosen

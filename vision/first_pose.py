@@ -1,12 +1,13 @@
 """A first view of the guide: which two ellipses are its rings, and in which direction its line runs."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.conics import RingPair, depth_ratio, true_centres
+from vision.conics import RingPair, true_centres
 from vision.curvature import Curvature
 from vision.detection import RingCandidate
 from vision.devices import Guide
@@ -14,22 +15,34 @@ from vision.distortion import DistortionMap
 from vision.profiles import ProfileReader
 from vision.projection import Intrinsics, View, project
 from vision.refusal import Refusal
-from vision.wire_model import Wire, sample_wires
+from vision.wire_model import Wire, WireSamples, sample_wires
 
 Array = NDArray[np.float64]
 
+_ROUGH_SCALE_WITHIN = math.log(2.5)  # of the same by the ellipses' axes and centres alone
 SCALE_WITHIN = 0.3  # relative: distance by the rings' separation against distance by their size
 # Eq. (10) by the ellipses' axes, with some hundredths of error; the ring planes are far from the source
 LEAST_DEPTH_RATIO, GREATEST_DEPTH_RATIO = 0.7, 1.05
 GREATEST_TILT_RAD = math.radians(50.0)  # for a first pose; the gate on the final one is tighter
-_DIRECTIONS = 720  # half degrees: half of the line's width at its end
-_ON_LINE = 40
+_DIRECTIONS = 360  # degrees: less than the line's width at its end
+_ON_LINE = 24
+_EVERY = 2  # sample of the line whose profile is read to compare directions
+_LEAST_ON_LINE = 0.12  # share of those that must look like a wire for a slope to be taken from them
 _INSET_MM = 1.5  # of the line's ends, which blur
-_APART = 12  # directions (6 deg) nearer than this to a better one are the same line
+_APART = 6  # directions (6 deg) nearer than this to a better one are the same line
 _MOST_DIRECTIONS = 5
 _AS_GOOD = 0.7  # of the best direction's share: solved as well, and judged by line ends and bead
 _WORST_MISFIT = 0.5  # of a profile's amplitude
-_STRAIGHT_PX = 1.0  # from the straight line through the crests
+_STRAIGHT_SD = 0.6  # standard deviations of a crest's width, from the straight line through the crests
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RingView:
+    """Two ellipses as the guide's rings, how well each is supported (2,), and the view they make; its turn is open."""
+
+    rings: RingPair
+    supports: tuple[float, float]
+    view: View
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,33 +53,49 @@ class FirstView:
     line_contrast: float
 
 
-def consistent_pairs(candidates: list[RingCandidate], guide: Guide, nominal: Intrinsics) -> list[tuple[View, RingPair]]:
-    """Views of the pairs of ellipses that can be the guide's rings, the best supported first; the turn is open."""
-    pairs: list[tuple[float, View, RingPair]] = []
-    for small in candidates:
-        for big in candidates:
-            rings = RingPair(small.ellipse, big.ellipse)
-            view = None if small is big else _axis_view(rings, guide, nominal)
-            if view is not None:
-                pairs.append((small.support + big.support, view, rings))
-    return [(view, rings) for _, view, rings in sorted(pairs, key=lambda pair: -pair[0])]
+def consistent_pairs(candidates: list[RingCandidate], guide: Guide, nominal: Intrinsics) -> list[RingView]:
+    """Views of the pairs of ellipses that can be the guide's rings, the best supported first."""
+    pairs: list[RingView] = []
+    for small, big in _possible_pairs(candidates, guide, nominal):
+        rings = RingPair(small.ellipse, big.ellipse)
+        view = _axis_view(rings, guide, nominal)
+        if view is not None:
+            pairs.append(RingView(rings, (small.support, big.support), view))
+    return sorted(pairs, key=lambda pair: -sum(pair.supports))
 
 
-def first_views(upright: View, guide: Guide, directions: "LineDirections", reader: ProfileReader) -> list[FirstView]:
+def _possible_pairs(
+    candidates: list[RingCandidate], guide: Guide, nominal: Intrinsics
+) -> Iterator[tuple[RingCandidate, RingCandidate]]:
+    """Small and big rings that sizes and the ellipses' centres, which are nearly the rings', do not rule out."""
+    major = np.array([candidate.ellipse.semi_axes_px[0] for candidate in candidates])
+    centre = np.array([candidate.ellipse.centre_px for candidate in candidates])
+    on_plane = (centre - (nominal.u0_px, nominal.v0_px)) / nominal.alpha_x_px
+    ratio = (guide.big_ring_radius_mm * major[:, None]) / (guide.small_ring_radius_mm * major)
+    apart = np.linalg.norm(on_plane[:, None] - ratio[:, :, None] * on_plane, axis=2)
+    by_separation_mm = guide.separation_mm / np.maximum(np.hypot(apart, 1.0 - ratio), np.finfo(float).tiny)
+    by_size_mm = nominal.alpha_x_px * guide.small_ring_radius_mm / major[:, None]
+    possible = (ratio > LEAST_DEPTH_RATIO) & (ratio < GREATEST_DEPTH_RATIO)
+    possible &= np.abs(np.log(by_separation_mm / by_size_mm)) < _ROUGH_SCALE_WITHIN
+    for small, big in np.argwhere(possible):
+        yield candidates[small], candidates[big]
+
+
+def first_views(pair: RingView, guide: Guide, directions: "LineDirections", reader: ProfileReader) -> list[FirstView]:
     """The view turned to where the line shows, the best first; more than one where several lines do.
 
     Bone edges and end plates bend the ground more than a wire does, so the strongest few directions are compared by how
     much of the line looks like one straight wire.
     """
+    upright = pair.view
     turns = np.linspace(0.0, 2.0 * math.pi, _DIRECTIONS, endpoint=False, dtype=np.float64)
     contrast = directions.across_lines(upright, guide, turns) / directions.across_rings(upright, guide)
-    found = []
-    for index in _peaks(contrast):
-        view = _turned(upright, float(turns[index]))
-        found.append((_line_share(view, guide, reader), FirstView(view, float(contrast[index]))))
-    best = max(share for share, _ in found)
-    found = [(share, first) for share, first in found if share >= _AS_GOOD * best]
-    return [first for _, first in sorted(found, key=lambda pair: -pair[0])]
+    peaks = _peaks(contrast)
+    views = [_turned(upright, float(turns[index])) for index in peaks]
+    firsts = [FirstView(view, float(contrast[index])) for view, index in zip(views, peaks, strict=True)]
+    shares = _line_shares(views, guide, reader)
+    order = np.argsort(-shares, kind="stable")
+    return [firsts[index] for index in order if shares[index] >= _AS_GOOD * shares.max()]
 
 
 def _peaks(contrast: Array) -> list[int]:
@@ -80,19 +109,32 @@ def _peaks(contrast: Array) -> list[int]:
     return peaks
 
 
-def _line_share(view: View, guide: Guide, reader: ProfileReader) -> float:
-    """Share of the line's length on which there is a wire, all of it on one straight line."""
-    samples = sample_wires(view, guide)
-    line = samples.chosen(samples.wire == Wire.LINE)
-    profiles = reader.read(line.points, line.normals)
+def _line_shares(views: list[View], guide: Guide, reader: ProfileReader) -> Array:
+    """Shares (n,) of the line's length in each view on which there is a wire, all of it on one straight line."""
+    lines = [_line_samples(view, guide) for view in views]
+    points, normals = (np.concatenate([getattr(line, name) for line in lines]) for name in ("points", "normals"))
+    profiles = reader.read(points, normals)
     like_wire = (profiles.amplitude > 0.0) & (profiles.misfit < _WORST_MISFIT * profiles.amplitude)
-    if like_wire.sum() < _ON_LINE // 4:
+    ends = np.cumsum([len(line.along) for line in lines])[:-1]
+    each = zip(lines, np.split(profiles.offset_px, ends), np.split(like_wire, ends), strict=True)
+    within_px = _STRAIGHT_SD * reader.crest_sd_px
+    return np.array([_straight_share(line.along, offset, like, within_px) for line, offset, like in each])
+
+
+def _line_samples(view: View, guide: Guide) -> WireSamples:
+    samples = sample_wires(view, guide)
+    return samples.chosen((samples.wire == Wire.LINE) & (np.arange(len(samples.along)) % _EVERY == 0))
+
+
+def _straight_share(along: Array, offset_px: Array, like_wire: NDArray[np.bool_], within_px: float) -> float:
+    """Share of a line's places (n,) that look like a wire's and whose crests lie on one straight line."""
+    every, offset, along = len(along), offset_px[like_wire], along[like_wire]
+    if len(along) < _LEAST_ON_LINE * every:
         return 0.0
-    offset, along = profiles.offset_px[like_wire], line.along[like_wire]
-    steps = np.subtract.outer(offset, offset)[np.triu_indices(len(along), 5)]
-    slope = float(np.median(steps / np.subtract.outer(along, along)[np.triu_indices(len(along), 5)]))
-    straight = np.abs(offset - slope * along - np.median(offset - slope * along)) < _STRAIGHT_PX
-    return float(straight.sum()) / len(line.along)
+    pairs = np.triu_indices(len(along), len(along) // 8 + 1)  # neighbours say little about the slope
+    slope = float(np.median((offset[pairs[0]] - offset[pairs[1]]) / (along[pairs[0]] - along[pairs[1]])))
+    straight = np.abs(offset - slope * along - np.median(offset - slope * along)) < within_px
+    return float(straight.sum()) / every
 
 
 def _axis_view(rings: RingPair, guide: Guide, nominal: Intrinsics) -> View | None:
@@ -100,8 +142,6 @@ def _axis_view(rings: RingPair, guide: Guide, nominal: Intrinsics) -> View | Non
 
     Eq. (10) and (11): the distance by the separation must agree with that by the rings' sizes, from which it is taken.
     """
-    if not LEAST_DEPTH_RATIO < depth_ratio(rings, guide) < GREATEST_DEPTH_RATIO:
-        return None
     centres = true_centres(rings, guide, nominal)
     if isinstance(centres, Refusal):
         return None

@@ -25,7 +25,7 @@ _USUAL_SPACINGS_MM = (9.0, 15.0, 25.0)  # each with a quarter to either side
 _SPACING_WITHIN = 0.25  # relative, of the lattice's neighbours around the file's scale: distortion and SID
 _STEP_WITHIN = 0.2  # of the spacing: how far a ball may lie from where its neighbours predict it
 _SEED_CANDIDATES = 600
-_NEIGHBOURS = ((1, 0), (-1, 0), (0, 1), (0, -1))
+_NEIGHBOURS = np.array([(1, 0), (-1, 0), (0, 1), (0, -1)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,7 +100,21 @@ def _candidates(absorption: Absorption, radius_px: float) -> Array:
     peaks &= (measure > _CONTRAST_SD * curvature.noise_of(measure)) & curvature.inside
     rows, columns = np.nonzero(peaks)
     order = np.argsort(-measure[rows, columns])[:_MOST_CANDIDATES]
-    return curvature.raw_from_cells(np.column_stack((columns[order], rows[order])).astype(np.float64))
+    return curvature.raw_from_cells(_summits(measure, rows[order], columns[order]))
+
+
+def _summits(measure: NDArray[np.float32], rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
+    """Where parabolas through each peak and its neighbours along u and v have their summits (n, 2), cells."""
+    last_row, last_column = measure.shape[0] - 1, measure.shape[1] - 1
+    peak = measure[rows, columns]
+    summits = []
+    for place, before, after in (
+        (columns, measure[rows, np.maximum(columns - 1, 0)], measure[rows, np.minimum(columns + 1, last_column)]),
+        (rows, measure[np.maximum(rows - 1, 0), columns], measure[np.minimum(rows + 1, last_row), columns]),
+    ):
+        bend = np.maximum(2.0 * peak - before - after, np.finfo(np.float32).tiny)
+        summits.append(place + np.clip((after - before) / (2.0 * bend), -0.5, 0.5))
+    return np.column_stack(summits).astype(np.float64)
 
 
 def _lattice_steps(strongest: Array, spacing_px: float) -> Array | None:
@@ -145,37 +159,39 @@ def _grow(candidates: Array, tree: KDTree, steps: Array, seed: int) -> tuple[NDA
     The board holds the candidate of each place, -1 for none; it is as wide as the candidates can reach.
     """
     within = _STEP_WITHIN * float(np.hypot(*steps[0]))
-    middle = 1 + int(np.ptp(candidates, axis=0).max() / (np.hypot(*steps[0]) - within))
+    middle = 3 + int(np.ptp(candidates, axis=0).max() / (np.hypot(*steps[0]) - within))
     board = np.full((2 * middle + 1, 2 * middle + 1), -1, dtype=np.intp)
     board[middle, middle] = seed
     free = np.ones(len(candidates), dtype=bool)
     free[seed] = False
     front = np.array([[middle, middle]])
     while len(front):
-        reached = []
-        for way in _NEIGHBOURS:
-            ahead, behind = _inside_board(front, way, board)
-            here = candidates[board[ahead[:, 0] - way[0], ahead[:, 1] - way[1]]]
-            before = board[behind[:, 0], behind[:, 1]]
-            step = np.where(before[:, None] >= 0, here - candidates[before], np.array(way) @ steps)
-            distance, index = tree.query(here + step)
-            index, first = np.unique(np.where(distance < within, index, -1), return_index=True)
-            new = (index >= 0) & free[index]
-            places = ahead[first[new]]
-            board[places[:, 0], places[:, 1]] = index[new]
-            free[index[new]] = False
-            reached.append(places)
-        front = np.concatenate(reached)
+        ahead, way = _empty_beside(front, board)
+        at, before = (board[tuple((ahead - times * way).T)] for times in (1, 2))
+        step = np.where(before[:, None] >= 0, candidates[at] - candidates[before], way @ steps)
+        distance, index = tree.query(candidates[at] + step, distance_upper_bound=within)
+        reached = np.nonzero(distance < within)[0]
+        reached = reached[free[index[reached]]]
+        # one ball for each place and one place for each ball: of several predictions the nearest wins
+        reached = _nearest_of_each(index, reached, distance)
+        reached = _nearest_of_each(ahead @ (len(board), 1), reached, distance)
+        front = ahead[reached]
+        board[tuple(front.T)] = index[reached]
+        free[index[reached]] = False
     places = np.argwhere(board >= 0)
-    return board[places[:, 0], places[:, 1]], places - middle
+    return board[tuple(places.T)], places - middle
 
 
-def _inside_board(
-    front: NDArray[np.intp], way: tuple[int, int], board: NDArray[np.intp]
-) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """The places (n, 2) one step ahead of a front's that are empty and on the board, and those one step behind."""
-    ahead, behind = front + way, front - way
-    on_board = ((ahead >= 0) & (ahead < len(board)) & (behind >= 0) & (behind < len(board))).all(axis=1)
-    ahead, behind = ahead[on_board], behind[on_board]
-    empty = board[ahead[:, 0], ahead[:, 1]] < 0
-    return ahead[empty], behind[empty]
+def _empty_beside(front: NDArray[np.intp], board: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The empty places (n, 2) beside those of a front, not at the very edge, and the ways (n, 2) that led there."""
+    way = np.tile(_NEIGHBOURS, (len(front), 1))
+    ahead = np.repeat(front, len(_NEIGHBOURS), axis=0) + way
+    ahead, way = (places[((ahead >= 2) & (ahead < len(board) - 2)).all(axis=1)] for places in (ahead, way))
+    empty = board[tuple(ahead.T)] < 0
+    return ahead[empty], way[empty]
+
+
+def _nearest_of_each(key: NDArray[np.intp], chosen: NDArray[np.intp], distance: Array) -> NDArray[np.intp]:
+    """Of the chosen rows that share a key, the one of least distance."""
+    chosen = chosen[np.argsort(distance[chosen], kind="stable")]
+    return chosen[np.unique(key[chosen], return_index=True)[1]]

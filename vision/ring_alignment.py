@@ -5,15 +5,16 @@ pairs of an image are laid together: each takes but a few numbers.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from vision.conics import Ellipse, RingPair
+from vision.conics import Ellipse
 from vision.contour import Priors
 from vision.devices import Guide
+from vision.first_pose import RingView
 from vision.projection import Intrinsics, View
 
 Array = NDArray[np.float64]
@@ -25,6 +26,7 @@ _ROUNDS = 6
 # Steps of about equal effect on the image: alpha (relative), centre (px), tilt (rad), translation (mm)
 _SCALES = np.array([3e-3, 5.0, 5.0, 2e-3, 2e-3, 0.5, 0.5, 3.0])
 _DIFFERENCE = 1e-3  # of the scales, for derivatives
+_WAYS = np.vstack((np.zeros(len(_SCALES)), np.eye(len(_SCALES)) * _DIFFERENCE))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,6 +37,10 @@ class _Views:
     rotation: Array
     translation: Array
 
+    def repeated(self, times: int) -> "_Views":
+        """Each of them so many times."""
+        return _Views(*(np.repeat(part, times, axis=0) for part in (self.intrinsics, self.rotation, self.translation)))
+
     def moved(self, step: Array) -> "_Views":
         """Stepped by (p, 8) in units of the scales; the tilt is about the guide's own x and y."""
         step = step * _SCALES
@@ -43,36 +49,38 @@ class _Views:
         return _Views(intrinsics, self.rotation @ turns, self.translation + step[:, 5:])
 
 
-def aligned(pairs: Sequence[tuple[View, RingPair]], guide: Guide, priors: Priors) -> list[View]:
-    """The views fitted to both their ellipses under the priors; their turn about the guide's axis stays open.
+def aligned(pairs: Sequence[RingView], guide: Guide, priors: Priors) -> list[RingView]:
+    """The pairs, their views fitted to both ellipses under the priors; the turn about the guide's axis stays open.
 
     Parameters
     ----------
-    pairs : Sequence[tuple[View, RingPair]]
-        Views by the rings' centres and sizes; ellipses in corrected pixels.
+    pairs : Sequence[RingView]
+        Views by the rings' centres and sizes.
     guide, priors
         By the device files.
 
     Returns
     -------
-    list[View]
+    list[RingView]
         In the same order, those left out that the guide of the file cannot look like.
     """
     if not pairs:
         return []
-    views = _arrays([view for view, _ in pairs])
-    places = np.array([[_around(rings.small), _around(rings.big)] for _, rings in pairs])
+    views = _arrays([pair.view for pair in pairs])
+    places = np.array([[_around(pair.rings.small), _around(pair.rings.big)] for pair in pairs])
+    every = np.repeat(places, len(_WAYS), axis=0)
     for _ in range(_ROUNDS):
-        here = _residual(views, places, guide, priors)
-        ways = [views.moved(np.broadcast_to(way, (len(pairs), len(way)))) for way in np.eye(len(_SCALES)) * _DIFFERENCE]
-        slopes = [(_residual(way, places, guide, priors) - here) / _DIFFERENCE for way in ways]
-        jacobian = np.stack(slopes, axis=2)
+        around = _residual(views.repeated(len(_WAYS)).moved(np.tile(_WAYS, (len(pairs), 1))), every, guide, priors)
+        around = around.reshape(len(pairs), len(_WAYS), -1)
+        here = around[:, 0]
+        jacobian = ((around[:, 1:] - around[:, :1]) / _DIFFERENCE).swapaxes(1, 2)
         gradient = (jacobian.swapaxes(1, 2) @ here[:, :, None])[:, :, 0]
         step = np.linalg.solve(jacobian.swapaxes(1, 2) @ jacobian, gradient[:, :, None])[:, :, 0]
         views = views.moved(np.asarray(-step, dtype=np.float64))
     off_px = np.sqrt((_misfit_px(views, places, guide) ** 2).mean(axis=(1, 2)))
-    sizes_px = np.array([rings.small.semi_axes_px[0] for _, rings in pairs])
-    return [_view(views, int(index)) for index in np.nonzero(off_px < _WORST_SHARE * sizes_px)[0]]
+    sizes_px = np.array([pair.rings.small.semi_axes_px[0] for pair in pairs])
+    fits = off_px < _WORST_SHARE * sizes_px
+    return [replace(pair, view=_view(views, index)) for index, pair in enumerate(pairs) if fits[index]]
 
 
 def _residual(views: _Views, places: Array, guide: Guide, priors: Priors) -> Array:

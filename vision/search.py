@@ -1,22 +1,27 @@
 """The guide in a corrected image: candidates, each refined and judged, and the only one that passes."""
 
+import itertools
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from vision.candidates import Candidates, find_candidates
+from vision.conics import Ellipse, ellipse_from_conic
 from vision.corrected_image import CorrectedImage
 from vision.detection import QUICK, THOROUGH, Effort
 from vision.devices import CArm, Guide
-from vision.first_pose import FirstView
+from vision.first_pose import FirstView, RingView, first_views
 from vision.measuring import Scene
+from vision.projection import ring_conic
 from vision.refusal import Refusal, RefusalCode
 from vision.solution import Attempt, Solution, solve
 from vision.wire_model import sample_wires
 
 _LEAST_LINE_CONTRAST = 0.4  # of the rings' own
 _FINAL = frozenset({RefusalCode.MIRRORED, RefusalCode.AMBIGUOUS})  # looking harder changes nothing about these
+_HARDLY_THERE = 0.75  # of a ring's circumference with ridge points; arcs of other things reach 0.6
+_ONE_RING_WITHIN = 0.03  # of its size, in centre and axes
 _SAME_WITHIN_MM = 1.0  # refits of one guide agree far better, two guides cannot be so near
 _SAME_WITHIN_RAD = math.radians(3.0)
 
@@ -52,12 +57,34 @@ def search(image: CorrectedImage, scene: Scene, carm: CArm) -> Search:
 
 
 def _search(image: CorrectedImage, scene: Scene, carm: CArm, effort: Effort) -> Search:
-    candidates = find_candidates(image, scene.guide, carm, scene.priors, scene.reader, effort)
-    if isinstance(candidates.views, Refusal):
-        return Search(candidates, [], [], candidates.views)
-    attempts = [_attempt(first, scene, image) for first in candidates.views]
+    candidates = find_candidates(image, scene.guide, carm, scene.priors, effort)
+    if isinstance(candidates.pairs, Refusal):
+        return Search(candidates, [], [], candidates.pairs)
+    attempts: list[Attempt] = []
+    for pair in candidates.pairs:
+        if not any(_is_remnant(pair, attempt.outcome) for attempt in attempts):
+            firsts = first_views(pair, scene.guide, candidates.directions, scene.reader)
+            attempts += [_attempt(first, scene, image) for first in firsts]
     passed = _passed(attempts)
     return Search(candidates, attempts, passed, _only_outcome(passed, attempts))
+
+
+def _is_remnant(pair: RingView, outcome: Solution | Refusal) -> bool:
+    """Whether a pair is made of one ring of a guide that passed and of another that is hardly there."""
+    if isinstance(outcome, Refusal) or min(pair.supports) > _HARDLY_THERE:
+        return False
+    fit = outcome.fit
+    owned = (
+        ring_conic(fit.view, fit.guide.small_ring_radius_mm, 0.0),
+        ring_conic(fit.view, fit.guide.big_ring_radius_mm, -fit.guide.separation_mm),
+    )
+    both = itertools.product((pair.rings.small, pair.rings.big), map(ellipse_from_conic, owned))
+    return any(ring is not None and _one_ring(found, ring) for found, ring in both)
+
+
+def _one_ring(one: Ellipse, other: Ellipse) -> bool:
+    apart = np.abs(np.subtract(one.centre_px + one.semi_axes_px, other.centre_px + other.semi_axes_px))
+    return bool(apart.max() < _ONE_RING_WITHIN * other.semi_axes_px[0])
 
 
 def _attempt(first: FirstView, scene: Scene, image: CorrectedImage) -> Attempt:

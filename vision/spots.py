@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 
 _REACH = 2.0  # half side of the patch, in spot radii
 _MOST_ROUNDS = 8
-_SETTLED_PX = 2e-3  # of the last step; the next is far smaller
+_SETTLED = 2e-3  # of a radius, the last step; the next is far smaller
 _WIDTH = 0.75  # of a Gaussian that is like a ball's shadow, in spot radii
 _NARROWEST, _WIDEST = 0.4, 1.5
 _LONGEST_STEP = 0.4  # of centre and width, in standard deviations of the spot
@@ -50,15 +50,17 @@ def fit_spots(values: NDArray[np.float32], starts: Array, radius_px: float) -> S
     rows, columns = corner[:, 1, None, None] + offsets[:, None], corner[:, 0, None, None] + offsets
     patches = _without_ground(values[rows, columns].astype(np.float64), offsets)
     centres, sigma = np.where(inside[:, None], starts - corner, 0.0), np.full(len(starts), _WIDTH * radius_px)
-    amplitude = np.zeros(len(starts))
+    amplitude, moving = np.zeros(len(starts)), np.arange(len(starts))
     for _ in range(_MOST_ROUNDS):
-        step, widening, amplitude = _step(patches, centres, sigma, offsets)
-        centres = centres + step
-        sigma = np.clip(sigma + widening, _NARROWEST * radius_px, _WIDEST * radius_px)
-        if not np.quantile(np.abs(step), 0.95) > _SETTLED_PX:
+        step, widening, amplitude[moving] = _step(patches[moving], centres[moving], sigma[moving], offsets)
+        centres[moving] += step
+        sigma[moving] = np.clip(sigma[moving] + widening, _NARROWEST * radius_px, _WIDEST * radius_px)
+        moving = moving[np.abs(step).max(axis=1) > _SETTLED * radius_px]
+        if not len(moving):
             break
-    near = np.abs(corner + centres - starts).max(axis=1) < radius_px
-    return Spots(corner + centres, amplitude, inside & near & (amplitude > 0.0))
+    settled = inside & (np.abs(corner + centres - starts).max(axis=1) < radius_px) & (amplitude > 0.0)
+    settled[moving] = False
+    return Spots(corner + centres, amplitude, settled)
 
 
 def _without_ground(patches: Array, offsets: NDArray[np.intp]) -> Array:
