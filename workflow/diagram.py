@@ -128,6 +128,10 @@ or not a number refuses. {deferred} (the patient moved between two images) is no
 passed, nor is what H03 (the C-arm moved) asks for beside the age of the image: both need the comparison of two images,
 and will judge `verification_passed` and `verification_failed`.
 
+`configuration` judges every request that brings a case further. Where program, settings or device files are not those
+that the case was opened with, stop and pause, statements, notes, control, acknowledgement, a retreat, the end of an
+insertion and the end of the case are left.
+
 {interlock_table()}
 """
 

@@ -3,13 +3,14 @@
 from collections.abc import Iterable
 
 from workflow import arm_interlocks as arm
+from workflow import configuration_interlocks as configuration
 from workflow import image_interlocks as image
 from workflow import motion_interlocks as motion
 from workflow import path_interlocks as path
 from workflow import verification_interlocks as verification
 from workflow.checks import Interlock
 from workflow.inquiry import Inquiry
-from workflow.plans import AIMED
+from workflow.plans import AIMED, PlanKind
 from workflow.states import State
 from workflow.triggers import Trigger
 from workflow.verdicts import Verdict
@@ -106,10 +107,31 @@ _AIMED_REQUIRED: dict[Trigger, tuple[Interlock, ...]] = {
 _STATE_REQUIRED: dict[tuple[Trigger, State], tuple[Interlock, ...]] = {
     (Trigger.IMAGE_ARRIVED, State.MOVED): (image.IMAGE_AFTER_MOTION,),
 }
+# Under another configuration a case goes no further: what is left is to stop, state, retreat and close, and what leads
+# there (control, acknowledgement, the end of an insertion), and words.
+GOES_FURTHER = frozenset(
+    {
+        Trigger.CARM_POSITION_CONFIRMED,
+        Trigger.EXPOSURE_REQUESTED,
+        Trigger.NEWEST_IMAGE_REUSED,
+        Trigger.RETAKE,
+        Trigger.TARGET_CONFIRMED,
+        Trigger.TARGET_WITHDRAWN,
+        Trigger.PLAN_REQUESTED,
+        Trigger.MOVE_APPROVED,
+        Trigger.MOVE_STARTED,
+        Trigger.CORRECTION_REQUESTED,
+        Trigger.VERIFICATION_REJECTED,
+        Trigger.INSERTION_STARTED,
+    }
+)
+_MOVES = (Trigger.PLAN_REQUESTED, Trigger.MOVE_APPROVED, Trigger.MOVE_STARTED)
+_PINNED = (configuration.CONFIGURATION,)
 _TABLES: tuple[Iterable[tuple[Interlock, ...]], ...] = (
     REQUIRED.values(),
     _AIMED_REQUIRED.values(),
     _STATE_REQUIRED.values(),
+    (_PINNED,),
 )
 INTERLOCKS: dict[str, Interlock] = {lock.code: lock for table in _TABLES for locks in table for lock in locks}
 
@@ -119,7 +141,15 @@ def required(inquiry: Inquiry) -> tuple[Interlock, ...]:
     trigger = inquiry.trigger
     always = REQUIRED.get(trigger, ())
     aimed = _AIMED_REQUIRED.get(trigger, ()) if inquiry.plan_kind in AIMED else ()
-    return (*always, *aimed, *_STATE_REQUIRED.get((trigger, inquiry.case.state), ()))
+    pinned = _PINNED if _goes_further(inquiry) else ()
+    return (*always, *aimed, *_STATE_REQUIRED.get((trigger, inquiry.case.state), ()), *pinned)
+
+
+def _goes_further(inquiry: Inquiry) -> bool:
+    """Neither a retreat, nor the mere question whether a plan, which may be a retreat's, can be asked for."""
+    asked_only = inquiry.trigger is Trigger.PLAN_REQUESTED and inquiry.facts is None
+    retreats = inquiry.trigger in _MOVES and inquiry.plan_kind is PlanKind.RETREAT
+    return inquiry.trigger in GOES_FURTHER and not asked_only and not retreats
 
 
 def judge(inquiry: Inquiry) -> tuple[Verdict, ...]:

@@ -58,6 +58,9 @@ class SafetySnapshot:
     # Device files now selected: one hash over all of them, and whether none has expired.
     devices_hash: Reading[str]
     devices_in_date: Reading[bool]
+    # One hash over program version, settings and device files: as they are, and as they were when the case was opened.
+    configuration: Reading[str]
+    configuration_opened: Reading[str]
     # The person's hand: `age_s` of the hold counts from its arrival, that of the echo from when its challenge was made.
     hold_pressed: Reading[bool]
     challenge_echoed: Reading[bool]

@@ -1,7 +1,7 @@
 """The device files that a case uses now: those it was opened with, or those that replaced them since."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import lru_cache
@@ -28,6 +28,7 @@ class DeviceSet:
     tool: Tool
     room: RoomShapes | None
     sha256: str
+    bytes_sha256: str  # the same, of the bytes as they were read just now
     in_date: bool
 
 
@@ -53,7 +54,8 @@ def read_devices(connection: Connection, ids: Mapping[str, str]) -> DeviceSet:
         carm=contents[DeviceKind.CARM],
         tool=_tool(contents[DeviceKind.TCP]),
         room=_room(contents[DeviceKind.ROOM]) if DeviceKind.ROOM in contents else None,
-        sha256=hashlib.sha256(" ".join(file.sha256 for file in files.values()).encode()).hexdigest(),
+        sha256=_joint_hash(file.sha256 for file in files.values()),
+        bytes_sha256=_joint_hash(hashlib.sha256(content).hexdigest() for content in contents.values()),
         in_date=not any(expired(file, today) for file in files.values()),
     )
 
@@ -61,6 +63,10 @@ def read_devices(connection: Connection, ids: Mapping[str, str]) -> DeviceSet:
 def devices_of(connection: Connection, case_id: str) -> DeviceSet:
     """The files that a case uses now."""
     return read_devices(connection, device_ids(connection, case_id))
+
+
+def _joint_hash(hashes: Iterable[str]) -> str:
+    return hashlib.sha256(" ".join(hashes).encode()).hexdigest()
 
 
 @lru_cache(maxsize=16)

@@ -7,6 +7,7 @@ from typing import Any
 from robot.guard.messages import Phase
 from robot.poses import tcp_difference
 from robot.tool import Tool
+from service.conductor.configuration import Configuration
 from service.conductor.device_set import DeviceSet
 from service.motion.arm_watch import ArmReading, ArmWatch
 from service.motion.displacement import Displacement
@@ -23,10 +24,11 @@ OF_ANOTHER_IMAGE = (Trigger.NEWEST_IMAGE_REUSED, Trigger.CORRECTION_REQUESTED)
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """What the arm's side of a snapshot does not know: who holds control, and which devices the case uses."""
+    """What the arm's side of a snapshot does not know: who holds control, which devices and settings the case uses."""
 
     control_token: int | None
     devices: DeviceSet | None
+    configuration: Configuration
 
 
 def measure(watch: ArmWatch, case: CaseState, trigger: Trigger, held: Held) -> SafetySnapshot:
@@ -44,6 +46,8 @@ def measure(watch: ArmWatch, case: CaseState, trigger: Trigger, held: Held) -> S
         **_tool(reading, devices.tool if devices else None),
         devices_hash=Reading(devices.sha256, 0.0) if devices else _UNKNOWN,
         devices_in_date=Reading(devices.in_date, 0.0) if devices else _UNKNOWN,
+        configuration=Reading(held.configuration.now, 0.0),
+        configuration_opened=Reading(held.configuration.opened, 0.0),
         control_token=Reading(held.control_token, 0.0),
     )
 

@@ -10,6 +10,7 @@ from service.auth.lease import Lease, lease_of
 from service.cases import store
 from service.cases.attempts import record_attempt
 from service.cases.records import NewArtefact, NewAttempt, NewEvent, NewVerdict, StoredEvent
+from service.conductor.configuration import configuration_of
 from service.conductor.device_set import devices_of
 from service.conductor.snapshots import Held, measure
 from service.ledger.draft import describe
@@ -73,13 +74,16 @@ class Rules:
     watch: ArmWatch
     limits: Limits
     clock: Callable[[], float]
+    settings_sha256: str
 
 
 def stand(connection: Connection, rules: Rules, case_id: str, trigger: Trigger) -> Standing:
     """The case and the world; ServiceError CASE_UNKNOWN."""
     last = store.newest_event(connection, case_id)
     case, lease = from_json(dict(last.case_state)), lease_of(connection, case_id)
-    held = Held(lease.fencing_token if lease else None, devices_of(connection, case_id))
+    devices = devices_of(connection, case_id)
+    configuration = configuration_of(connection, case_id, rules.settings_sha256, devices)
+    held = Held(lease.fencing_token if lease else None, devices, configuration)
     return Standing(connection, last, case, measure(rules.watch, case, trigger, held), lease)
 
 

@@ -5,6 +5,7 @@ import shutil
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -86,6 +87,12 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningService
     yield from serve_in_thread(settings)
 
 
+@pytest.fixture(scope="session")
+def serving() -> Callable[[Settings], AbstractContextManager[RunningService]]:
+    """Services of a test's own settings, one after another."""
+    return contextmanager(serve_in_thread)
+
+
 def serve_in_thread(settings: Settings) -> Iterator[RunningService]:
     """The service of `settings` on a free port, in a thread with an event loop of its own."""
     app = create_app(settings)
@@ -101,7 +108,11 @@ def serve_in_thread(settings: Settings) -> Iterator[RunningService]:
         _wait_until_started(server, thread)
         parts: Parts = app.state.parts
         users = UserStore(parts.database, CHEAP_HASHER)
-        tokens = {role: parts.sessions.create(users.add(role.value, role, PASSWORD, PIN))[0] for role in Role}
+        known = {user.role: user for user in users.list()}
+        tokens = {
+            role: parts.sessions.create(known.get(role) or users.add(role.value, role, PASSWORD, PIN))[0]
+            for role in Role
+        }
         port = server.servers[0].sockets[0].getsockname()[1]
         yield RunningService(f"http://127.0.0.1:{port}", parts, tokens)
     finally:

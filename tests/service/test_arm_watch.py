@@ -9,6 +9,7 @@ import pytest
 from robot.arm import ArmState
 from robot.guard.messages import EndCause, Fault, FaultKind, MotionEnded, MotionStarted, Phase, Status
 from robot.safety import SafetyState
+from service.conductor.configuration import Configuration
 from service.conductor.limits import limits_from
 from service.conductor.snapshots import Held, measure
 from service.conductor.status import allowances
@@ -21,6 +22,7 @@ from workflow.plans import PlanKind
 from workflow.states import GuideState, State
 from workflow.triggers import Trigger
 
+_CONFIGURATION = Configuration("now", "now")
 _LIMITS = limits_from(ProcedureLimits(image_age_s=60.0))
 
 
@@ -113,8 +115,8 @@ def _offered(watch: Told, trigger: Trigger, **changes: object) -> set[str]:
     image, motion = Artefact("image", ("view",)), Motion("motion", ("plan", "permit"), PlanKind.TARGETING)
     chain = {"view": Artefact("view", ()), "image": image, "registration": Artefact("registration", ("image",))}
     case = replace(opened("case"), guide=GuideState.EMPTY, **(chain | changes), motion=motion)
-    snapshot = measure(watch, case, Trigger.READ, Held(None, None))
-    answer = allowances(case, snapshot, Rules(watch, _LIMITS, lambda: 0.0))[trigger]
+    snapshot = measure(watch, case, Trigger.READ, Held(None, None, _CONFIGURATION))
+    answer = allowances(case, snapshot, Rules(watch, _LIMITS, lambda: 0.0, "settings"))[trigger]
     return set() if answer.allowed else {answer.code, *(verdict.code for verdict in answer.reasons)}
 
 

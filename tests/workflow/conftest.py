@@ -43,6 +43,8 @@ def good_snapshot(**changes: Any) -> SafetySnapshot:
         "payload_difference_kg": 0.0,
         "devices_hash": "devices",
         "devices_in_date": True,
+        "configuration": "configuration",
+        "configuration_opened": "configuration",
         "hold_pressed": True,
         "challenge_echoed": True,
         "control_token": TOKEN,

@@ -18,10 +18,11 @@ from workflow.plans import PlanKind
 from workflow.refusals import Refusal
 from workflow.snapshot import Reading, SafetyMode
 from workflow.states import GuideState, InsertionStatus, State
-from workflow.triggers import Trigger
+from workflow.triggers import REQUESTS, Trigger
 
 LIMITS = Limits()
 NAN = math.nan
+UNKNOWN = Reading(None, 0.01)
 ELSEWHERE = (9.0, -1.2, 1.3, -0.4, 1.5, 0.2)
 # Just beyond a limit, relatively: far above rounding, far below anything that matters.
 MORE = 1.0 + 1e-6
@@ -216,6 +217,17 @@ PROOFS: dict[str, Proof] = {
     "tcp_mm": Proof(*START, *measured("tcp_difference_mm", 5.0, RECORD)),
     "tcp_rad": Proof(*START, *measured("tcp_difference_rad", math.radians(1.0), RECORD)),
     "payload_kg": Proof(*START, *measured("payload_difference_kg", LIMITS.payload_difference_kg, RECORD)),
+    "configuration": Proof(
+        *PLAN,
+        [
+            reading("configuration", "another"),
+            reading("configuration", None),
+            reading("configuration_opened", None),
+            Spoil(readings={"configuration": UNKNOWN, "configuration_opened": UNKNOWN}),
+            reading("configuration", "configuration", RECORD * MORE),
+        ],
+        [reading("configuration", "configuration", RECORD)],
+    ),
     "hold_pressed": Proof(*START, [reading("hold_pressed", False), reading("hold_pressed", None)], []),
     "heartbeat_fresh": Proof(
         *START, [reading("hold_pressed", True, 0.2001)], [reading("hold_pressed", True, HEARTBEAT)]
@@ -364,7 +376,7 @@ def take_out(monkeypatch, code: str) -> None:
 def test_every_interlock_has_a_proof_and_every_hazard_an_interlock():
     assert set(PROOFS) == set(INTERLOCKS)
     enforced = {lock.hazard for lock in INTERLOCKS.values()}
-    here = "01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16 17 18 21 22 28 29 33 35 36"
+    here = "01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16 17 18 21 22 28 29 30 33 35 36"
     assert enforced == {f"H{number}" for number in here.split()}
     assert not enforced & set(DEFERRED_HAZARDS)
 
@@ -404,3 +416,58 @@ def test_nothing_passes_when_nothing_is_known(new_walk):
         answer = machine.decide(walk.case, trigger, walk.facts(trigger), None, LIMITS, 0.0)
         assert isinstance(answer, Refusal)
         assert not any(verdict.passed for verdict in answer.verdicts if verdict.code != "guide_known")
+
+
+CHANGED = {"configuration": Reading("changed", 0.01)}
+STILL_ALLOWED = {
+    Trigger.STOP,
+    Trigger.HOLD_REQUESTED,
+    Trigger.ACKNOWLEDGED,
+    Trigger.LEASE_TAKEN,
+    Trigger.TARGET_DONE,
+    Trigger.CASE_CLOSED,
+    Trigger.NOTE,
+    Trigger.LABEL,
+    Trigger.READ,
+    Trigger.EXPORT,
+}
+
+
+@pytest.mark.parametrize("trigger", REQUESTS)
+@pytest.mark.parametrize("state", State)
+def test_under_another_configuration_a_case_goes_no_further(new_walk, state, trigger):
+    """H30: only stop, words and what leads to a retreat or to the end of the case are judged as ever."""
+    walk = new_walk().to(state)
+    facts = walk.facts(trigger)
+    usual = new_walk().to(state).ask(trigger, facts)
+    walk.spoil(**CHANGED)
+    answer = walk.ask(trigger, facts)
+    if trigger in STILL_ALLOWED:
+        assert type(answer) is type(usual)
+        assert "configuration" not in failed(answer)
+    else:
+        assert isinstance(answer, Refusal)
+        assert "configuration" in failed(answer)
+
+
+def test_under_another_configuration_the_arm_still_retreats_and_the_case_closes(new_walk):
+    walk = new_walk().to(State.VERIFIED)
+    walk.spoil(**CHANGED)
+    walk.do(Trigger.RESTARTED)
+    walk.do(Trigger.GUIDE_STATE_STATED)
+    walk.do(Trigger.ACKNOWLEDGED)
+    for trigger in (Trigger.PLAN_REQUESTED, Trigger.MOVE_APPROVED, Trigger.MOVE_STARTED):
+        walk.do(trigger, kind=PlanKind.RETREAT)
+    walk.do(Trigger.ARRIVED)
+    refusal = walk.refused(Trigger.PLAN_REQUESTED, kind=PlanKind.APPROACH)
+    assert [(one.code, one.hazard, one.measured, one.limit) for one in refusal.failed] == [
+        ("configuration", "H30", "changed", "configuratio")
+    ]
+    walk.do(Trigger.CASE_CLOSED)
+
+
+def test_a_retreat_that_was_planned_lets_nothing_else_past(new_walk):
+    walk = new_walk().to(State.REGISTERED)
+    walk.do(Trigger.PLAN_REQUESTED, kind=PlanKind.RETREAT)
+    walk.spoil(**CHANGED)
+    assert "configuration" in failed(walk.refused(Trigger.TARGET_CONFIRMED))
