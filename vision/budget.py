@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from vision.aim_error import AimErrors, aim_error
 from vision.budget_conditions import Conditions
-from vision.contour import VIEW_PARAMETERS
+from vision.priors import VIEW_PARAMETERS
 from vision.uncertainty import moved_view, radius_95
 
 Array = NDArray[np.float64]

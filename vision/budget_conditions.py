@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from vision.contour import Priors
 from vision.devices import CArm, Guide
 from vision.distortion import DistortionMap, PlateFit, exact
 from vision.ideal_fit import IdealFit
 from vision.motion_agreement import MotionErrors
+from vision.priors import Priors
 from vision.projection import View, nominal_intrinsics, project
 from vision.registered import DEFAULT_DEPTH_MM, Registration
 

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
-from vision.contour import Priors
 from vision.corrected_image import CorrectedImage
 from vision.curvature import Curvature
 from vision.detection import AxisRange, Effort, RingCandidate, ring_candidates
 from vision.devices import CArm, Guide
 from vision.first_pose import LineDirections, RingView, consistent_pairs
+from vision.priors import Priors
 from vision.projection import Intrinsics
 from vision.refusal import Refusal, RefusalCode
 from vision.ring_alignment import aligned

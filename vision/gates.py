@@ -6,13 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
-from vision.contour import VIEW_PARAMETERS, ContourFit, Observations
+from vision.contour import ContourFit
 from vision.devices import Guide
 from vision.line_ends import LineEnd
+from vision.priors import VIEW_PARAMETERS
 from vision.projection import View, project
 from vision.refusal import Refusal, RefusalCode
 from vision.registered import PredictedError
 from vision.uncertainty import aim_error
+from vision.view_fit import Observations
 from vision.wire_model import Wire, WireSamples
 
 Array = NDArray[np.float64]

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.contour import VIEW_PARAMETERS, Priors
 from vision.devices import Guide
 from vision.distortion import PlateFit
+from vision.priors import VIEW_PARAMETERS, Priors
 from vision.projection import View, project, projection_jacobian
 from vision.uncertainty import moved_view
 from vision.wire_model import dimension_directions, points_in_guide, sample_wires, with_dimensions

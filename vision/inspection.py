@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import RectBivariateSpline
 
 from vision.alignment import check_depth, goal, target_in_source
-from vision.contour import ContourFit, Observations
+from vision.contour import ContourFit
 from vision.detection import RingCandidate
 from vision.devices import Guide
 from vision.distortion import DistortionMap, FittedBalls
@@ -21,6 +21,7 @@ from vision.search import Search
 from vision.solution import Attempt, Solution
 from vision.targeting import locate
 from vision.uncertainty import aim_covariance, radius_95
+from vision.view_fit import Observations
 from vision.wire_model import WireSamples, points_in_guide, sample_wires
 from vision.xray import XrayImage
 

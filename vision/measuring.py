@@ -1,4 +1,4 @@
-"""What one image says about the wires near a view: ridge points where nothing crosses, line ends, the bead's centre."""
+"""What one image says about the wires near a view: their places piece by piece, line ends, the bead's centre."""
 
 from dataclasses import dataclass
 
@@ -6,37 +6,54 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from vision.bands import Shadows, cut_pieces
 from vision.bead import BeadEvidence
-from vision.contour import Observations, Priors
 from vision.devices import Guide
 from vision.distortion import PlateFit
 from vision.line_ends import LineEnd
+from vision.offsets import Offsets, measure_offsets
+from vision.priors import Priors
 from vision.profiles import ProfileReader
 from vision.projection import View, project
 from vision.refusal import Refusal, RefusalCode
+from vision.view_fit import Observations
 from vision.wire_model import Wire, WireSamples, sample_wires
 
 Array = NDArray[np.float64]
 
-FAINTEST = 0.35  # amplitude of an accepted profile, of the median
+FAINTEST = 0.35  # amplitude of an accepted place, of the median
 _STRONGEST = 3.0  # the same: darker is another thing
 _BEAD_SD_PX = 0.15  # of its centre: a spot of some 12 px across on structured ground
 _LINE_END_SD_PX = 0.6  # of the place of half absorption, on uneven ground; the ends are there to be judged
 _WORST_MISFIT = 0.5  # of its amplitude
-_FARTHEST = 0.8  # of the profile's reach: beyond it the crest found is another's
+_FARTHEST = 0.8  # of a profile's reach: beyond it the crest found is another's
+_FARTHEST_PIECE = 0.3  # the same for a piece, whose shadow is shifted to the first order only
 _BALL_MARGIN = 0.8  # of the profile's reach, kept free around a ball
-_LEAST_PLACES = 100  # of some 1,300: fewer cannot hold 13 parameters against clutter
+_LEAST_SHARE = 0.08  # of the wires' places: fewer cannot hold 13 parameters against clutter
+_EVERY = 6  # px along the wires between profiles of the rough measurement
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """What all candidates of one image share; `balls` (m, 3) corrected pixel and radius, px."""
+    """What all candidates of one image share.
+
+    Attributes
+    ----------
+    values : NDArray[np.float32]
+        Absorption (rows, columns) of the raw image.
+    balls : Array
+        (m, 3): corrected pixel and radius, px, in the order of the plate's sites.
+    blur_px : float
+        Standard deviation of the detector's blur.
+    """
 
     guide: Guide
     priors: Priors
     plate: PlateFit
     reader: ProfileReader
+    values: NDArray[np.float32]
     balls: Array
+    blur_px: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,9 +65,9 @@ class Measured:
     observations : Observations
         Places that look like a wire's.
     places : WireSamples
-        All places where nothing crosses the wire: those that could be measured.
+        All places that could be measured: those accepted, and those where nothing crosses the wire.
     amplitude : float
-        Median absorption of the rings' crests.
+        Median absorption of the rings.
     """
 
     observations: Observations
@@ -58,10 +75,8 @@ class Measured:
     amplitude: float
 
 
-def measure(
-    view: View, guide: Guide, scene: Scene, ends: list[LineEnd], bead: BeadEvidence | None
-) -> Measured | Refusal:
-    """Profiles along all wires where nothing crosses them.
+def find(view: View, guide: Guide, scene: Scene, ends: list[LineEnd]) -> Measured | Refusal:
+    """Roughly, from some pixels away: profiles here and there along the wires where nothing crosses them.
 
     Parameters
     ----------
@@ -69,6 +84,40 @@ def measure(
         The present estimate, within some pixels.
     scene : Scene
         The image's reader and balls.
+    ends
+        Line ends measured before, if any.
+
+    Returns
+    -------
+    Measured or Refusal
+        `no_guide_found` where hardly a place looks like a wire.
+    """
+    everywhere = sample_wires(view, guide)
+    samples = everywhere.chosen(np.arange(len(everywhere.along)) % _EVERY == 0)
+    places = samples.chosen(_uncrossed(samples, everywhere, scene))
+    if len(places.along) < _LEAST_SHARE * len(samples.along):
+        return _too_few(len(places.along) / len(samples.along))
+    profiles = scene.reader.read(places.points, places.normals)
+    nil = np.zeros_like(profiles.offset_px)
+    offsets = Offsets(profiles.offset_px, nil, profiles.amplitude, profiles.misfit)
+    everything = np.ones(len(places.along), dtype=bool)
+    single = _single_points(view, guide, ends, None)
+    return _accepted(places, everything, offsets, _FARTHEST * scene.reader.reach_px, single)
+
+
+def measure(
+    view: View, guide: Guide, scene: Scene, amplitude: float, ends: list[LineEnd], bead: BeadEvidence | None
+) -> Measured | Refusal:
+    """All wires, piece by piece, whatever crosses them.
+
+    Parameters
+    ----------
+    view, guide
+        The present estimate, within a pixel.
+    scene : Scene
+        The image's absorption and balls.
+    amplitude : float
+        Absorption of a wire.
     ends, bead
         Single points measured before, if any.
 
@@ -77,40 +126,54 @@ def measure(
     Measured or Refusal
         `no_guide_found` where hardly a place looks like a wire.
     """
-    samples = sample_wires(view, guide)
-    places = samples.chosen(_uncrossed(samples, scene))
-    if len(places.along) < _LEAST_PLACES:
-        return _too_few(len(places.along))
-    profiles = scene.reader.read(places.points, places.normals)
-    amplitude = float(np.median(profiles.amplitude[places.wire != Wire.LINE]))
-    good = (
-        (profiles.amplitude > FAINTEST * amplitude)
-        & (profiles.amplitude < _STRONGEST * amplitude)
-        & (profiles.misfit < _WORST_MISFIT * profiles.amplitude)
-        & (np.abs(profiles.offset_px) < _FARTHEST * scene.reader.reach_px)
-    )
-    if good.sum() < _LEAST_PLACES:
-        return _too_few(int(good.sum()))
-    chosen = places.chosen(good)
-    measured = chosen.points + profiles.offset_px[good, None] * chosen.normals
+    ball_radius_px = float(scene.balls[0, 2]) if len(scene.balls) else 0.0
+    shadows = Shadows(amplitude, scene.blur_px, scene.plate.sites, ball_radius_px)
+    pieces = cut_pieces(view, guide, scene.plate, scene.values, shadows)
+    offsets = measure_offsets(pieces, amplitude, scene.blur_px)
+    uncrossed = _uncrossed(pieces.samples, sample_wires(view, guide), scene)
     single = _single_points(view, guide, ends, bead)
-    return Measured(Observations(chosen.wire, chosen.along, measured, chosen.normals, *single), places, amplitude)
+    return _accepted(pieces.samples, uncrossed, offsets, _FARTHEST_PIECE * scene.reader.reach_px, single)
 
 
-def _too_few(count: int) -> Refusal:
-    return Refusal(RefusalCode.NO_GUIDE_FOUND, "places that look like a guide's wire", count, _LEAST_PLACES)
+def _accepted(
+    samples: WireSamples,
+    uncrossed: NDArray[np.bool_],
+    offsets: Offsets,
+    farthest_px: float,
+    single: tuple[Array, Array, Array, Array],
+) -> Measured | Refusal:
+    """The places that look like a wire's, if there are enough."""
+    amplitude = float(np.median(offsets.amplitude[uncrossed & (samples.wire != Wire.LINE)]))
+    good = (
+        (offsets.amplitude > FAINTEST * amplitude)
+        & (offsets.amplitude < _STRONGEST * amplitude)
+        & (offsets.misfit < _WORST_MISFIT * offsets.amplitude)
+        & (np.abs(offsets.offset_px) < farthest_px)
+    )
+    if good.mean() < _LEAST_SHARE:
+        return _too_few(float(good.mean()))
+    chosen = samples.chosen(good)
+    measured = chosen.points + offsets.offset_px[good, None] * chosen.normals
+    observations = Observations(chosen.wire, chosen.along, measured, chosen.normals, offsets.sd_px[good], *single)
+    return Measured(observations, samples.chosen(good | uncrossed), amplitude)
 
 
-def _uncrossed(samples: WireSamples, scene: Scene) -> NDArray[np.bool_]:
+def _too_few(share: float) -> Refusal:
+    return Refusal(RefusalCode.NO_GUIDE_FOUND, "share of the guide's wires that looks like one", share, _LEAST_SHARE)
+
+
+def _uncrossed(samples: WireSamples, wires: WireSamples, scene: Scene) -> NDArray[np.bool_]:
     """Which samples no other wire and no ball disturbs."""
     free = np.ones(len(samples.along), dtype=bool)
+    clear_px = scene.reader.reach_px + 2.0 * scene.reader.crest_sd_px
     for wire in Wire:
         on = samples.wire == wire
-        distance, _ = KDTree(samples.points[~on]).query(samples.points[on])
-        free[on] = distance > scene.reader.reach_px + 2.0 * scene.reader.crest_sd_px
+        distance, _ = KDTree(wires.points[wires.wire != wire]).query(samples.points[on], distance_upper_bound=clear_px)
+        free[on] = distance > clear_px
     if len(scene.balls):
-        distance, index = KDTree(scene.balls[:, :2]).query(samples.points)
-        free &= distance > scene.balls[index, 2] + _BALL_MARGIN * scene.reader.reach_px
+        clear_px = float(scene.balls[:, 2].max()) + _BALL_MARGIN * scene.reader.reach_px
+        distance, _ = KDTree(scene.balls[:, :2]).query(samples.points, distance_upper_bound=clear_px)
+        free &= distance > clear_px
     return free
 
 

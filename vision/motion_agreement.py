@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import chdtri, chndtrinc
 
 from vision.common_grid import similarity_between
-from vision.contour import VIEW_PARAMETERS, Priors
+from vision.priors import VIEW_PARAMETERS, Priors
 from vision.projection import Intrinsics, View, nominal_intrinsics
 from vision.registered import FittedDimensions, Registration, joint_covariance
 from vision.wire_model import with_dimensions

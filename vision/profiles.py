@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import map_coordinates, spline_filter
 
 from vision.absorption import Absorption
 from vision.distortion import DistortionMap
@@ -38,10 +38,10 @@ class Profiles:
 
 
 class ProfileReader:
-    """Reads profiles of one image; holds its interpolating spline."""
+    """Reads profiles of one image, interpolated by windowed sinc."""
 
     def __init__(self, absorption: Absorption, distortion: DistortionMap, wire_px: float) -> None:
-        self._spline = spline_filter(absorption.values.astype(np.float64), order=3)
+        self._image = absorption.values
         self._distortion = distortion
         self.reach_px = _REACH * wire_px
         self._offsets = np.arange(-self.reach_px, self.reach_px + _STEP_PX / 2.0, _STEP_PX)
@@ -58,8 +58,7 @@ class ProfileReader:
 
     def values_at(self, points: Array) -> Array:
         """Absorption (n,) at corrected pixels (n, 2)."""
-        raw = self._distortion.raw_from_corrected(points)
-        return np.asarray(map_coordinates(self._spline, raw[:, ::-1].T, order=3, prefilter=False, mode="nearest"))
+        return self._interpolated(self._distortion.raw_from_corrected(points)[:, None, :])[:, 0]
 
     @property
     def crest_sd_px(self) -> float:
@@ -73,8 +72,13 @@ class ProfileReader:
         start, end = ends[: len(points)], ends[len(points) :]
         share = ((self._offsets + reach) / (2.0 * reach))[None, :, None]
         raw = start[:, None, :] * (1.0 - share) + end[:, None, :] * share
-        where = np.moveaxis(raw[:, :, ::-1], 2, 0)
-        return np.asarray(map_coordinates(self._spline, where, order=3, prefilter=False, mode="nearest"))
+        return self._interpolated(raw)
+
+    def _interpolated(self, raw: Array) -> Array:
+        """Absorption (n, p) at raw pixels (n, p, 2)."""
+        u, v = raw[:, :, 0].astype(np.float32), raw[:, :, 1].astype(np.float32)
+        values = cv2.remap(self._image, u, v, cv2.INTER_LANCZOS4, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(values, dtype=np.float64)
 
     def _fit(self, values: Array, crest_sd_px: float) -> Profiles:
         offset = np.zeros(len(values))

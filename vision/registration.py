@@ -7,14 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision import gates, paper
+from vision.bands import DETECTOR_BLUR_MM
 from vision.candidates import wire_width_px
 from vision.conics import Ellipse, RingPair, fiducials, fit_ellipse
-from vision.contour import VIEW_PARAMETERS, Priors
 from vision.corrected_image import correct
 from vision.devices import CArm, Guide
-from vision.distortion import DistortionMap
 from vision.findings import Findings
 from vision.measuring import Scene
+from vision.priors import VIEW_PARAMETERS, Priors
 from vision.profiles import ProfileReader
 from vision.projection import Intrinsics, View, nominal_intrinsics, project
 from vision.refusal import Refusal, RefusalCode
@@ -76,11 +76,14 @@ def examine(
     nominal = nominal_intrinsics(carm, image.rows, image.columns, corrected.plate.map.pixel_size_mm)
     reader = ProfileReader(corrected.absorption, corrected.plate.map, wire_width_px(guide, carm, nominal))
     priors = Priors.of(carm, guide, nominal)
-    scene = Scene(guide, priors, corrected.plate, reader, corrected.balls_corrected)
+    blur_px = DETECTOR_BLUR_MM / corrected.plate.map.pixel_size_mm
+    scene = Scene(
+        guide, priors, corrected.plate, reader, corrected.absorption.values, corrected.balls_corrected, blur_px
+    )
     found = search(corrected, scene, carm)
     if isinstance(found.outcome, Refusal):
         return Findings(found.outcome, corrected, found)
-    result = _registration(found.outcome, image, guide, carm, corrected.plate.map, nominal, method, started)
+    result = _registration(found.outcome, image, guide, carm, nominal, method, started)
     if isinstance(result, Registration):
         result = gates.check_predicted(result.predicted_error_95) or result
     return Findings(result, corrected, found)
@@ -91,7 +94,6 @@ def _registration(
     image: XrayImage,
     guide: Guide,
     carm: CArm,
-    distortion: DistortionMap,
     nominal: Intrinsics,
     method: Method,
     started: float,
@@ -118,7 +120,7 @@ def _registration(
         carm=carm,
         intrinsics=view.intrinsics,
         source_from_guide=view.source_from_guide,
-        distortion=distortion,
+        distortion=solution.fit.map,
         fiducials_px=points,
         bead_px=None if solution.bead is None else solution.bead.centre_px,
         rings=rings,

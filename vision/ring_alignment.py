@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from vision.conics import Ellipse
-from vision.contour import Priors
 from vision.devices import Guide
 from vision.first_pose import RingView
+from vision.priors import Priors
 from vision.projection import Intrinsics, View
 
 Array = NDArray[np.float64]

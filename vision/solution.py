@@ -1,23 +1,25 @@
 """From a first view to a judged one: measure the wires, fit, measure again; then bead, line ends and gates."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vision import gates
 from vision.bead import BeadEvidence, Crossing, locate_bead
-from vision.contour import VIEW_PARAMETERS, ContourFit, Observations, fit_contour
+from vision.contour import ContourFit, fit_contour
 from vision.first_pose import FirstView
 from vision.line_ends import LineEnd, measure_line_ends
-from vision.measuring import FAINTEST, Measured, Scene, bead_sd_px, measure
+from vision.measuring import FAINTEST, Measured, Scene, bead_sd_px, find, measure
+from vision.priors import VIEW_PARAMETERS
 from vision.projection import project, projection_jacobian
 from vision.refusal import Refusal
+from vision.view_fit import Observations
 from vision.wire_model import sample_wires
 
 Array = NDArray[np.float64]
 
-_ROUNDS = 3  # without bead; measuring and fitting have converged to a hundredth of a pixel by then
+_ROUGH_ROUNDS = 2  # after which a view is within some tenths of a pixel
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +76,7 @@ def _with_bead(last: Round, scene: Scene) -> Solution | Refusal:
     bead = _bead(last, scene)
     if isinstance(bead, Refusal):
         return bead
-    measured = measure(last.fit.view, last.fit.guide, scene, last.line_ends, bead)
+    measured = measure(last.fit.view, last.fit.guide, scene, last.measured.amplitude, last.line_ends, bead)
     if isinstance(measured, Refusal):
         return measured
     fit = fit_contour(last.fit.view, last.fit.guide, measured.observations, scene.priors, scene.plate)
@@ -84,25 +86,34 @@ def _with_bead(last: Round, scene: Scene) -> Solution | Refusal:
         or gates.check_trust(fit, scene.guide)
         or gates.check_tilt(fit.view)
     )
-    return refusal or Solution(fit, measured.observations, last.line_ends, bead)
+    return refusal or Solution(fit, _on_corrected_map(measured.observations, fit, scene), last.line_ends, bead)
+
+
+def _on_corrected_map(observations: Observations, fit: ContourFit, scene: Scene) -> Observations:
+    """The places by the map that the fit corrected."""
+    raw = scene.plate.map.raw_from_corrected(observations.measured)
+    return replace(observations, measured=fit.map.corrected_from_raw(raw))
 
 
 def _refined(first: FirstView, scene: Scene) -> Round | Refusal:
-    """Rings, line and the line's ends, measured anew around each fit."""
-    view, guide = first.view, scene.guide
-    ends: list[LineEnd] = []
-    last: Round | None = None
-    for _ in range(_ROUNDS):
-        measured = measure(view, guide, scene, ends, None)
-        if isinstance(measured, Refusal):
-            return measured
-        fit = fit_contour(view, guide, measured.observations, scene.priors, scene.plate)
-        view, guide = fit.view, fit.guide
-        ends = measure_line_ends(view, guide, scene.reader, sample_wires(view, guide), scene.balls)
-        last = Round(fit, measured, ends)
-    if last is None:
-        raise ValueError("a solution takes at least one round")
-    return last
+    """Rings, line and the line's ends: roughly at first, then all there is to be seen."""
+    view, guide, amplitude = first.view, scene.guide, 0.0
+    for _ in range(_ROUGH_ROUNDS):
+        found = find(view, guide, scene, [])
+        if isinstance(found, Refusal):
+            return found
+        fit = fit_contour(view, guide, found.observations, scene.priors, scene.plate)
+        view, guide, amplitude = fit.view, fit.guide, found.amplitude
+    ends = measure_line_ends(view, guide, scene.reader, sample_wires(view, guide), scene.balls)
+    measured = measure(view, guide, scene, amplitude, ends, None)
+    if isinstance(measured, Refusal):
+        return measured
+    fit = fit_contour(view, guide, measured.observations, scene.priors, scene.plate)
+    return Round(
+        fit,
+        measured,
+        measure_line_ends(fit.view, fit.guide, scene.reader, sample_wires(fit.view, fit.guide), scene.balls),
+    )
 
 
 def _judged_before_bead(last: Round) -> Refusal | None:

@@ -1,10 +1,10 @@
 """How an image strains against the device files, and what the solution owes to each of their words.
 
 A prior's pull is no test by itself: where an image says little of a quantity, its pull stays near zero however wrong
-the file is. With p = R (x - mu) the pulls in their priors' standard deviations, H the information of image and priors
-together and S what distortion adds to the solution's covariance, right files give p the covariance
-V = 1 - R H^-1 R^T + R S R^T; p_i / sqrt(V_ii) is the sharpest test of one quantity alone. With prior i dropped the
-solution moves by H^-1 r_i p_i / (1 - r_i^T H^-1 r_i): what trust in that one word is worth.
+the file is. With p = R (x - mu) the pulls in their priors' standard deviations and H the information of image and
+priors together, right files give p the covariance V = 1 - R H^-1 R^T; p_i / sqrt(V_ii) is the sharpest test of one
+quantity alone. With prior i dropped the solution moves by H^-1 r_i p_i / (1 - r_i^T H^-1 r_i): what trust in that one
+word is worth.
 """
 
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ class Strain:
     freed_steps: Array
 
 
-def strain(pulls_sd: dict[str, float], rows: Array, inverse: Array, shared: Array) -> Strain:
+def strain(pulls_sd: dict[str, float], rows: Array, inverse: Array) -> Strain:
     """Test the priors of a solution.
 
     Parameters
@@ -52,15 +52,12 @@ def strain(pulls_sd: dict[str, float], rows: Array, inverse: Array, shared: Arra
         (k, n), derivative of the pulls by the parameters.
     inverse : Array
         (n, n), inverse of the information of image and priors.
-    shared : Array
-        (n, n), covariance that an error common to all observations adds.
     """
     pulls, gain = np.array(list(pulls_sd.values())), inverse @ rows.T
-    unseen = np.eye(len(pulls)) - rows @ gain
-    spread = unseen + rows @ shared @ rows.T
-    seen = np.diag(unseen) > _LEAST_SEEN
+    spread = np.eye(len(pulls)) - rows @ gain
+    seen = np.diag(spread) > _LEAST_SEEN
     deviations = np.where(seen, pulls / np.sqrt(np.maximum(np.diag(spread), _LEAST_SEEN)), 0.0)
-    steps = np.where(seen, pulls / np.maximum(np.diag(unseen), _LEAST_SEEN), 0.0)[:, None] * gain.T
+    steps = np.where(seen, pulls / np.maximum(np.diag(spread), _LEAST_SEEN), 0.0)[:, None] * gain.T
     variances, directions = np.linalg.eigh(spread)
     told = variances > _LEAST_SEEN_TOGETHER
     joint = float((((directions.T @ pulls) ** 2)[told] / variances[told]).sum())

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.devices import Guide
-from vision.projection import View, project
+from vision.projection import View
 
 Array = NDArray[np.float64]
 
@@ -46,6 +46,25 @@ class WireSamples:
         return WireSamples(self.wire[mask], self.along[mask], self.points[mask], self.normals[mask])
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Feet:
+    """Nearest places of a wire's centre line to points of the image.
+
+    Attributes
+    ----------
+    along : Array
+        (n,), as in `WireSamples`; beyond a line's ends it goes on.
+    distance_px : Array
+        (n,), counted along the wire's normal there.
+    speed_px : Array
+        (n,): pixels along the wire by the unit of `along`.
+    """
+
+    along: Array
+    distance_px: Array
+    speed_px: Array
+
+
 def with_dimensions(guide: Guide, small_radius_mm: float, big_radius_mm: float, separation_mm: float) -> Guide:
     """The guide with the three dimensions that the fit may move within their tolerances."""
     return replace(
@@ -79,25 +98,65 @@ def sample_wires(view: View, guide: Guide) -> WireSamples:
     """Samples of all three wires, about one corrected pixel apart."""
     depth_mm = float(view.source_from_guide[2, 3])
     per_mm = view.intrinsics.alpha_x_px / depth_mm
-    wires, alongs = [], []
-    for wire, radius_mm in (
-        (Wire.SMALL_RING, guide.small_ring_radius_mm),
-        (Wire.BIG_RING, guide.big_ring_radius_mm),
-    ):
+    alongs = []
+    for radius_mm in (guide.small_ring_radius_mm, guide.big_ring_radius_mm):
         count = max(60, round(2.0 * np.pi * radius_mm * per_mm))
         alongs.append(np.linspace(0.0, 2.0 * np.pi, count, endpoint=False))
-        wires.append(np.full(count, wire, dtype=np.intp))
     count = max(20, round((guide.line_end_mm - guide.line_start_mm) * per_mm))
     alongs.append(np.linspace(guide.line_start_mm, guide.line_end_mm, count))
-    wires.append(np.full(count, Wire.LINE, dtype=np.intp))
-    return _projected(view, guide, np.concatenate(wires), np.concatenate(alongs))
+    return samples_at(view, guide, alongs)
 
 
-def _projected(view: View, guide: Guide, wire: NDArray[np.intp], along: Array) -> WireSamples:
-    step = np.where(wire == Wire.LINE, 0.1, 0.005)
-    ahead = project(view, points_in_guide(guide, wire, along + step))
-    behind = project(view, points_in_guide(guide, wire, along - step))
-    tangent = ahead - behind
-    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    points = project(view, points_in_guide(guide, wire, along))
-    return WireSamples(wire, along, points, np.column_stack((-tangent[:, 1], tangent[:, 0])))
+def samples_at(view: View, guide: Guide, alongs: list[Array]) -> WireSamples:
+    """Samples of the three wires at given places, (n,) for each wire in the order of `Wire`."""
+    curves = [curve(view, guide, wire, along) for wire, along in zip(Wire, alongs, strict=True)]
+    points, tangents = (np.concatenate(parts) for parts in zip(*curves, strict=True))
+    normals = _across(tangents) / np.linalg.norm(tangents, axis=1, keepdims=True)
+    wires = np.repeat(np.array(list(Wire), dtype=np.intp), [len(along) for along in alongs])
+    return WireSamples(wires, np.concatenate(alongs), points, normals)
+
+
+def curve(view: View, guide: Guide, wire: Wire, along: Array) -> tuple[Array, Array]:
+    """Corrected pixels (n, 2) of one wire's places (n,), and their derivative (n, 2) by the place."""
+    wires = np.full(len(along), wire, dtype=np.intp)
+    rotation, intrinsics = view.source_from_guide[:3, :3], view.intrinsics
+    in_guide = points_in_guide(guide, wires, along)
+    x, y, z = (in_guide @ rotation.T + view.source_from_guide[:3, 3]).T
+    if wire is Wire.LINE:
+        moves = np.tile(rotation[:, 0], (len(along), 1))
+    else:
+        moves = np.column_stack((-in_guide[:, 1], in_guide[:, 0])) @ rotation[:, :2].T
+    u, v = x / z, y / z
+    alphas = np.array([intrinsics.alpha_x_px, intrinsics.alpha_y_px])
+    points = np.column_stack((u, v)) * alphas + (intrinsics.u0_px, intrinsics.v0_px)
+    tangents = np.column_stack((moves[:, 0] - u * moves[:, 2], moves[:, 1] - v * moves[:, 2])) * alphas / z[:, None]
+    return points, tangents
+
+
+def feet(view: View, guide: Guide, wire: Wire, points: Array) -> Feet:
+    """The nearest places on one wire's centre line.
+
+    Parameters
+    ----------
+    points : Array
+        (n, 2), corrected pixels, within some pixels of the wire.
+
+    Notes
+    -----
+    The start is the point's place in the wire's own plane; one step along the tangent takes it to the foot, to the
+    second order in the ratio of distance and radius.
+    """
+    pose, z_mm = view.source_from_guide, -guide.separation_mm if wire is Wire.BIG_RING else 0.0
+    image_from_plane = view.intrinsics.matrix() @ np.column_stack((pose[:3, :2], pose[:3, 2] * z_mm + pose[:3, 3]))
+    in_plane = np.column_stack((points, np.ones(len(points)))) @ np.linalg.inv(image_from_plane).T
+    x, y = in_plane[:, 0] / in_plane[:, 2], in_plane[:, 1] / in_plane[:, 2]
+    along = x if wire is Wire.LINE else np.arctan2(y, x)
+    near, tangents = curve(view, guide, wire, along)
+    along = along + ((points - near) * tangents).sum(axis=1) / (tangents**2).sum(axis=1)
+    near, tangents = curve(view, guide, wire, along)
+    speed_px = np.linalg.norm(tangents, axis=1)
+    return Feet(along, ((points - near) * _across(tangents)).sum(axis=1) / speed_px, speed_px)
+
+
+def _across(tangents: Array) -> Array:
+    return np.column_stack((-tangents[:, 1], tangents[:, 0]))

@@ -8,11 +8,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from vision import contour
-from vision.contour import ContourFit, Observations, Priors, fit_contour
+from vision import view_fit
+from vision.contour import ContourFit, fit_contour
 from vision.devices import CArm, Guide
 from vision.distortion import DistortionMap, exact
+from vision.priors import Priors
 from vision.projection import Intrinsics, View, nominal_intrinsics, project
+from vision.view_fit import Observations
 from vision.wire_model import sample_wires, with_dimensions
 
 Array = NDArray[np.float64]
@@ -30,7 +32,7 @@ def observed(view: View, guide: Guide, noise_px: float, seed: int, outliers: flo
     off_px += np.where(rng.uniform(size=len(off_px)) < outliers, rng.uniform(1.0, 5.0, len(off_px)), 0.0)
     measured = samples.points + off_px[:, None] * samples.normals
     none = np.zeros((0, 3)), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0)
-    return Observations(samples.wire, samples.along, measured, samples.normals, *none)
+    return Observations(samples.wire, samples.along, measured, samples.normals, np.zeros(len(samples.along)), *none)
 
 
 def near(view: View, carm: CArm) -> View:
@@ -175,10 +177,13 @@ def test_the_design_is_the_derivative_of_the_residuals(
     )
     weight = np.random.default_rng(9).uniform(0.0, 1.0, len(points.along))
 
-    def residual(step: Array) -> Array:
-        return contour._weighted(*contour._moved(view, guide, step), points, priors, weight, 0.1)
+    def whitened(values: Array) -> Array:
+        return (values.T * weight).T
 
-    steps = 1e-3 * np.diag(contour._SCALES)
+    def residual(step: Array) -> Array:
+        return view_fit._in_deviations(*view_fit._moved(view, guide, step), points, priors, whitened)
+
+    steps = 1e-3 * np.diag(view_fit._SCALES)
     numeric = np.column_stack([(residual(step) - residual(-step)) / (2.0 * step.max()) for step in steps])
-    design = contour._design(view, guide, points, priors, weight, 0.1)
+    design = view_fit.design(view, guide, points, priors, whitened)
     assert np.abs(design - numeric).max(axis=0) == pytest.approx(0.0, abs=1e-6 * np.abs(numeric).max())

@@ -9,13 +9,15 @@ import pytest
 from numpy.typing import NDArray
 
 from vision import gates
-from vision.contour import ContourFit, Observations
+from vision.contour import ContourFit
 from vision.devices import Guide
+from vision.distortion import DistortionMap
 from vision.line_ends import LineEnd
 from vision.projection import Intrinsics, View
 from vision.refusal import Refusal, RefusalCode
 from vision.registered import PredictedError
 from vision.strain import Strain
+from vision.view_fit import Observations
 from vision.wire_model import Wire, WireSamples
 
 PULLS = ("source_to_image", "square", "centre_u", "centre_v", "small_radius", "big_radius", "separation")
@@ -37,6 +39,7 @@ def fit(guide: Guide) -> ContourFit:
         pulls_sd=dict.fromkeys(PULLS, 0.0),
         strain=Strain(PULLS, np.zeros(7), 0.0, 7, np.zeros((7, 13))),
         covariance=np.eye(13),
+        map=DistortionMap.identity(1024, 1024, 0.35),
     )
 
 
@@ -52,7 +55,7 @@ def observations(seen: NDArray[np.bool_]) -> Observations:
     """Those places that were seen."""
     at = places().chosen(seen)
     none = np.zeros((0, 3)), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0)
-    return Observations(at.wire, at.along, at.points, at.normals, *none)
+    return Observations(at.wire, at.along, at.points, at.normals, np.zeros(len(at.along)), *none)
 
 
 def coverage(fit: ContourFit, hidden: slice, covered: slice | None = None) -> Refusal | None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from vision.common_grid import similarity_between
-from vision.contour import ContourFit, Observations, Priors, fit_contour
+from vision.contour import ContourFit, fit_contour
 from vision.devices import CArm, Guide
 from vision.distortion import DistortionMap, exact
 from vision.motion_agreement import (
@@ -21,8 +21,10 @@ from vision.motion_agreement import (
     compare_motion,
     detectable_motion,
 )
+from vision.priors import Priors
 from vision.projection import Intrinsics, View, nominal_intrinsics
 from vision.registered import FittedDimensions, Registration
+from vision.view_fit import Observations
 from vision.wire_model import sample_wires, with_dimensions
 
 Array = NDArray[np.float64]
@@ -65,7 +67,9 @@ class Room:
         samples = samples.chosen(np.arange(len(samples.along)) % 5 == 0)
         measured = samples.points + rng.normal(0.0, NOISE_PX, (len(samples.along), 1)) * samples.normals
         none = np.zeros((0, 3)), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0)
-        observations = Observations(samples.wire, samples.along, measured, samples.normals, *none)
+        observations = Observations(
+            samples.wire, samples.along, measured, samples.normals, np.zeros(len(samples.along)), *none
+        )
         nominal = nominal_intrinsics(self.carm, 1024, 1024)
         priors = Priors.of(self.carm, self.guide, nominal)
         return self._registration(fit_contour(View(nominal, apparent), self.guide, observations, priors, exact(MAP)))

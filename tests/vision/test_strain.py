@@ -10,7 +10,6 @@ Array = NDArray[np.float64]
 
 NAMES = ("first", "second", "third")
 PRIOR_SD = np.array([0.5, 2.0, 1.0])
-NOTHING_SHARED = np.zeros((4, 4))
 
 
 def solved(design: Array, measured: Array, priors: Array) -> tuple[Array, Array]:
@@ -23,7 +22,7 @@ def strained(design: Array, measured: Array) -> tuple[Strain, Array]:
     """The tests and the solution."""
     rows = np.hstack((np.diag(1.0 / PRIOR_SD), np.zeros((3, 1))))
     solution, inverse = solved(design, measured, rows)
-    return strain(dict(zip(NAMES, rows @ solution, strict=True)), rows, inverse, NOTHING_SHARED), solution
+    return strain(dict(zip(NAMES, rows @ solution, strict=True)), rows, inverse), solution
 
 
 def test_deviations_have_unit_spread_and_their_chi_square_its_degrees_of_freedom() -> None:
@@ -61,10 +60,3 @@ def test_what_the_image_does_not_see_is_not_tested() -> None:
     assert tests.deviations[2] == 0.0
     assert np.all(tests.freed_steps[2] == 0.0)
     assert tests.freedom == 2
-
-
-def test_an_error_that_all_observations_share_widens_the_spread() -> None:
-    rows, inverse = np.eye(1, 2), np.diag([0.5, 1.0])
-    alone, shared = (strain({"one": 1.0}, rows, inverse, extra) for extra in (np.zeros((2, 2)), np.diag([1.5, 0.0])))
-    assert alone.deviations[0] == pytest.approx(1.0 / np.sqrt(0.5))
-    assert shared.deviations[0] == pytest.approx(1.0 / np.sqrt(2.0))

@@ -1,0 +1,227 @@
+"""Where the wires really are: the pixels of a band along each wire, explained piece by piece.
+
+A piece is a few pixels of a wire's length. Its pixels are the wire's shadow, shifted across; a smooth ground; and what
+crosses: other wires, balls, the bead. Every pixel counts once, at its own place, so that nothing is interpolated.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import erf
+
+from vision.devices import Guide
+from vision.distortion import PlateFit
+from vision.projection import View, project
+from vision.shadows import Window, ball_shadows
+from vision.wire_model import Wire, WireSamples, feet, sample_wires, samples_at
+from vision.wire_shape import Profile, ball_profile, wire_profile
+
+Array = NDArray[np.float64]
+
+DETECTOR_BLUR_MM = 0.38  # standard deviation: screen, optics and focal spot of an intensifier
+_REACH = 1.2  # half width of a band, in wire widths: farther off the ground is no longer smooth
+_PIECE = 0.9  # length of a piece in wire widths: short against the ground's waves
+_LEAST_PIECE_PX = 4.0  # so that a piece has some five pixels for each of its unknowns
+_END_MARGIN = 0.7  # in wire widths, kept free of the line's own ends
+_COUNT = 10  # unknowns of a piece: shadow, its shift, six of the ground, balls and bead, other wires
+GROUND = slice(2, 8)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shadows:
+    """What an image's wires and balls look like.
+
+    Attributes
+    ----------
+    depth : float
+        Absorption at a wire's middle.
+    blur_px : float
+        Standard deviation of the detector's blur.
+    balls_raw : Array
+        (m, 2), raw pixels of the plate's balls.
+    ball_radius_px : float
+        Corrected pixels.
+    """
+
+    depth: float
+    blur_px: float
+    balls_raw: Array
+    ball_radius_px: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pieces:
+    """Pixels by piece: (s, p) each, padded with weight 0; p is the number of pixels of the fullest piece.
+
+    Attributes
+    ----------
+    samples : WireSamples
+        (s,): the pieces' middles.
+    design : Array
+        (s, p, 10): the unknowns' effects, see `_COUNT`.
+    values, weight : Array
+        (s, p): absorption, and the pixels' worth.
+    reach_px : Array
+        (s,): half width of the band.
+    """
+
+    samples: WireSamples
+    design: Array
+    values: Array
+    weight: Array
+    reach_px: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Wires:
+    """What all three bands share: the image's part, its corrected pixels on demand, the wires' profiles and masks."""
+
+    view: View
+    guide: Guide
+    plate: PlateFit
+    window: Window
+    profiles: dict[Wire, Profile]
+    width_px: dict[Wire, float]
+    masks: dict[Wire, NDArray[np.uint8]]
+    blur_px: float
+
+
+def cut_pieces(view: View, guide: Guide, plate: PlateFit, values: NDArray[np.float32], shadows: Shadows) -> Pieces:
+    """The bands of all three wires, cut into pieces.
+
+    Parameters
+    ----------
+    view, guide
+        The present estimate, within a pixel.
+    plate : PlateFit
+        Its map places the raw pixels.
+    values : NDArray[np.float32]
+        Absorption (rows, columns) of the raw image.
+    shadows : Shadows
+        Of this image.
+    """
+    wires = _laid_out(view, guide, plate, values, shadows)
+    seen = wires.window.cut(values)
+    crossing = _balls(wires, shadows)
+    alongs: list[Array] = []
+    rows: list[tuple[Array, Array, Array, NDArray[np.intp]]] = []
+    for wire in Wire:
+        middles, piece, design, pixels = _band(wires, wire, crossing)
+        weight = np.exp(-shadows.depth * design[:, 0])  # quanta are fewer behind the wire
+        rows.append((design, seen[pixels].astype(np.float64), weight, piece + sum(map(len, alongs))))
+        alongs.append(middles)
+    design, flat, weight, piece = (np.concatenate(parts) for parts in zip(*rows, strict=True))
+    samples = samples_at(view, guide, alongs)
+    reach_px = _REACH * np.array([wires.width_px[Wire(wire)] for wire in samples.wire])
+    return Pieces(samples, *_padded(piece, len(samples.along), design, flat, weight), reach_px)
+
+
+def _laid_out(view: View, guide: Guide, plate: PlateFit, values: NDArray[np.float32], shadows: Shadows) -> _Wires:
+    samples = sample_wires(view, guide)
+    raw = plate.map.raw_from_corrected(samples.points)
+    widths, profiles = {}, {}
+    for wire in Wire:
+        z_mm = -guide.separation_mm if wire is Wire.BIG_RING else 0.0
+        depth_mm = float(view.source_from_guide[2, 2] * z_mm + view.source_from_guide[2, 3])
+        widths[wire] = guide.wire_diameter_mm * view.intrinsics.alpha_x_px / depth_mm
+        profiles[wire] = wire_profile(widths[wire] / 2.0, shadows.depth, shadows.blur_px)
+    margin_px = 2.0 * _REACH * max(widths.values())
+    window = Window.around(raw, margin_px, *values.shape)
+    masks = {}
+    for wire in Wire:
+        path = np.rint(raw[samples.wire == wire] - (window.left, window.top)).astype(np.int32)
+        mask = np.zeros((window.rows, window.columns), dtype=np.uint8)
+        thickness = 2 * int(np.ceil(_REACH * widths[wire])) + 3
+        cv2.polylines(mask, [path], wire is not Wire.LINE, (1,), thickness)
+        masks[wire] = mask
+    return _Wires(view, guide, plate, window, profiles, widths, masks, shadows.blur_px)
+
+
+def _balls(wires: _Wires, shadows: Shadows) -> Array:
+    """Shadows (rows, columns) of balls and bead, in the window."""
+    view, guide, distortion = wires.view, wires.guide, wires.plate.map
+    drawn = np.zeros((wires.window.rows, wires.window.columns))
+    if len(shadows.balls_raw):
+        profile = ball_profile(shadows.ball_radius_px, shadows.depth, shadows.blur_px)
+        drawn += ball_shadows(wires.window, shadows.balls_raw, distortion, profile)
+    if guide.bead is not None:
+        place = np.array([guide.bead.position_mm])
+        depth_mm = float(view.source_from_guide[2, :3] @ place[0] + view.source_from_guide[2, 3])
+        radius_px = view.intrinsics.alpha_x_px * guide.bead.diameter_mm / 2.0 / depth_mm
+        per_wire = guide.bead.diameter_mm / guide.wire_diameter_mm
+        profile = ball_profile(radius_px, per_wire * shadows.depth, shadows.blur_px)
+        centre = distortion.raw_from_corrected(project(view, place))
+        drawn += per_wire * ball_shadows(wires.window, centre, distortion, profile)
+    return drawn
+
+
+def _band(
+    wires: _Wires, wire: Wire, crossing: Array
+) -> tuple[Array, NDArray[np.intp], Array, tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    """One wire's band: middles of its pieces (s,); each pixel's piece (n,), design (n, 10), place in the window."""
+    v, u = np.nonzero(wires.masks[wire])
+    raw = np.column_stack((u + wires.window.left, v + wires.window.top)).astype(np.float64)
+    corrected = wires.plate.map.corrected_from_raw(raw)
+    at = feet(wires.view, wires.guide, wire, corrected)
+    reach_px = _REACH * wires.width_px[wire]
+    middles, piece, from_middle = _divided(wires, wire, at.along, float(np.median(at.speed_px)))
+    inside = (np.abs(at.distance_px) < reach_px) & (piece >= 0)
+    d, piece, u, v = at.distance_px[inside], piece[inside], u[inside], v[inside]
+    profile = wires.profiles[wire]
+    across, along = d / reach_px, (from_middle * at.speed_px)[inside] / reach_px
+    design = np.empty((len(d), _COUNT))
+    design[:, 0], design[:, 1] = profile.heights(d), -profile.slopes(d)
+    design[:, GROUND] = np.column_stack((np.ones_like(d), across, along, across * along, across**2, across**3))
+    design[:, 8] = crossing[v, u]
+    design[:, 9] = _others(wires, wire, corrected[inside], u, v)
+    return middles, piece, design, (v, u)
+
+
+def _divided(wires: _Wires, wire: Wire, along: Array, speed_px: float) -> tuple[Array, NDArray[np.intp], Array]:
+    """Middles of the pieces (s,); each place's piece (n,), -1 beyond the line's ends, and distance from its middle."""
+    width_px = wires.width_px[wire]
+    if wire is Wire.LINE:
+        margin_mm = _END_MARGIN * width_px / speed_px
+        start, length = wires.guide.line_start_mm + margin_mm, wires.guide.line_end_mm - wires.guide.line_start_mm
+        length -= 2.0 * margin_mm
+    else:
+        start, length = 0.0, 2.0 * np.pi
+        along = np.mod(along, length)
+    count = max(4, round(length * speed_px / max(_LEAST_PIECE_PX, _PIECE * width_px)))
+    piece = np.floor((along - start) / length * count).astype(np.intp)
+    piece = np.where((piece >= 0) & (piece < count), piece, -1)
+    middles = np.asarray(start + (np.arange(count) + 0.5) * (length / count), dtype=np.float64)
+    return middles, piece, along - middles[piece]
+
+
+def _others(wires: _Wires, wire: Wire, corrected: Array, u: NDArray[np.intp], v: NDArray[np.intp]) -> Array:
+    """Shadows (n,) of the other two wires at one wire's pixels."""
+    total = np.zeros(len(corrected))
+    for other in Wire:
+        both = np.flatnonzero(wires.masks[other][v, u]) if other is not wire else np.zeros(0, dtype=np.intp)
+        if len(both):
+            at = feet(wires.view, wires.guide, other, corrected[both])
+            shadow = wires.profiles[other].heights(at.distance_px)
+            if other is Wire.LINE:
+                sd_mm = np.sqrt(2.0) * wires.blur_px / at.speed_px
+                shadow *= 0.5 * (1.0 + erf((at.along - wires.guide.line_start_mm) / sd_mm))
+                shadow *= 0.5 * (1.0 + erf((wires.guide.line_end_mm - at.along) / sd_mm))
+            total[both] += shadow
+    return total
+
+
+def _padded(
+    piece: NDArray[np.intp], count: int, design: Array, values: Array, weight: Array
+) -> tuple[Array, Array, Array]:
+    """Pixels ordered by piece, all pieces as long as the longest: design (s, p, 10), values and weight (s, p)."""
+    order = np.argsort(piece, kind="stable")
+    sizes = np.bincount(piece, minlength=count)
+    place = np.arange(len(piece)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    row = piece[order]
+    longest = int(sizes.max(initial=1))
+    designs = np.zeros((count, longest, _COUNT))
+    padded, weights = np.zeros((count, longest)), np.zeros((count, longest))
+    designs[row, place], padded[row, place], weights[row, place] = design[order], values[order], weight[order]
+    return designs, padded, weights
