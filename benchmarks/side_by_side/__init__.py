@@ -1,0 +1,1 @@
+"""Other ways to do what Coaxial does, on the same images and in the same simulated room."""
