@@ -1,6 +1,7 @@
 # Coaxial: `make demo` runs four targets end to end; `make test` proves the tree.
 PYTHON ?= python3.11
 VENV   := .venv
+BENCH_VENV := .venv-bench
 BIN    := $(VENV)/bin
 PIP    := $(BIN)/pip install --quiet --disable-pip-version-check
 # Many small matrices: threads of the linear algebra only fight over two cores.
@@ -8,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests audit-bench bench samples scenes faulted format docs lock
+.PHONY: help demo run test check tests audit-bench bench samples scenes faulted side-by-side format docs lock
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -51,6 +52,10 @@ faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong ea
 audit-bench: $(VENV)/.runtime  ## how fast the ledger is verified, read and written; COUNT=100000 entries
 	$(BIN)/python benchmarks/audit.py --count $(or $(COUNT),100000)
 
+side-by-side: $(BENCH_VENV)/.ready  ## other methods on the same images and rooms: COUNT=6 images a group, ROOMS=20; plots to FOLDER
+	$(BENCH_VENV)/bin/python -m benchmarks.side_by_side --count $(or $(COUNT),6) --rooms $(or $(ROOMS),20) \
+	  $(if $(FOLDER),--folder $(FOLDER))
+
 format: $(VENV)/.test  ## write the house format
 	$(BIN)/ruff format --quiet .
 	$(BIN)/ruff check --quiet --fix .
@@ -61,11 +66,13 @@ docs: $(VENV)/.runtime  ## write the generated pages and the README's picture an
 	$(BIN)/python -c 'from workflow.diagram import mermaid; print("```mermaid", mermaid().strip(), "```", sep="\n")' > $(VENV)/picture.md
 	sed -i -e '/state-machine:begin/,/state-machine:end/{//!d}' -e '/state-machine:begin/r $(VENV)/picture.md' README.md
 
-lock:  ## resolve the two lock files anew (needs uv)
+lock:  ## resolve the three lock files anew (needs uv)
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --extra build \
 	  pyproject.toml -o requirements.lock
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --extra build --extra test \
 	  -c requirements.lock pyproject.toml -o requirements-test.lock
+	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --extra bench \
+	  --no-emit-package opencv-python-headless -c requirements.lock pyproject.toml -o requirements-bench.lock
 
 $(VENV)/.runtime: requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || \
@@ -77,4 +84,10 @@ $(VENV)/.runtime: requirements.lock pyproject.toml
 
 $(VENV)/.test: $(VENV)/.runtime requirements-test.lock
 	$(PIP) --require-hashes -r requirements-test.lock
+	@touch $@
+
+# A venv of its own: opencv-contrib, which has the ellipse finders, installs the same cv2 as opencv-python-headless.
+$(BENCH_VENV)/.ready: requirements-bench.lock
+	$(PYTHON) -m venv --clear $(BENCH_VENV)
+	$(BENCH_VENV)/bin/pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r requirements-bench.lock
 	@touch $@

@@ -48,7 +48,7 @@ def plot_rings(scores: Sequence[RingScore], file: Path) -> None:
     )
     count.set(yticks=[], xlabel="red: share of rings missed; grey: false ellipses an image", xscale="symlog")
     for axes in (error, count):
-        axes.invert_yaxis()
+        axes.set_ylim(len(finders) - 0.5, -0.5)
     figure.suptitle("Ring finders on the same straightened images")
     _save(figure, file)
 
@@ -73,7 +73,9 @@ def plot_strategies(outcomes: Sequence[Outcome], file: Path) -> None:
 
 def _share(axes: Axes, values: list[float | None], label: str) -> None:
     known = np.sort([value for value in values if value is not None])
-    axes.step(known, np.arange(1, len(known) + 1) / max(len(known), 1), where="post", label=label)
+    if len(known):
+        share = np.arange(len(known) + 1) / len(known)
+        axes.step(np.append(known[0], known), share, where="post", label=label)
     axes.grid(alpha=0.3, which="both")
 
 
