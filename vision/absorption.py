@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from vision.xray import XrayImage
 
-_DARKEST = 0.002  # of full scale; half a step of an 8-bit image, below which the logarithm only shows rounding
+_DARKEST_STEPS = 0.5  # steps of the image's depth; below it the logarithm only shows rounding
+_DARKEST = 1e-4  # of full scale; below it deep images show but noise
 _FIELD_DARKER_THAN = 0.004  # of full scale: no beam
 _FIELD_CELLS = 256  # along the longer side: the field's edge need not be known better, and a cell of it is left out
 
@@ -31,7 +32,7 @@ class Absorption:
 
 def absorption(image: XrayImage) -> Absorption:
     """Absorption of an image and its field: the largest region with beam, its own dark places filled."""
-    values = cv2.log(cv2.max(image.pixels, _DARKEST))
+    values = cv2.log(cv2.max(image.pixels, max(_DARKEST, _DARKEST_STEPS / (2.0**image.bits - 1.0))))
     np.negative(values, out=values)
     return Absorption(values, _field(image.pixels))
 

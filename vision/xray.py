@@ -21,6 +21,7 @@ from vision.refusal import Refusal, RefusalCode
 LEAST_SIDE_PX = 256  # below it the wires of a 9 inch field are thinner than a pixel
 GREATEST_SIDE_PX = 4096
 GREATEST_BYTES = 256 * 1024 * 1024
+_DEPTHS = (8, 10, 12, 14, 16)  # bits of detectors; files of 16 hold any of them
 _DICOM_MAGIC = b"DICM"
 _XRAY_MODALITIES = frozenset({"XA", "RF", "CR", "DX", "OT"})
 _POLARITIES = frozenset({"MONOCHROME1", "MONOCHROME2"})
@@ -37,7 +38,7 @@ class XrayImage:
     pixels : NDArray[np.float32]
         (rows, columns), dark where the beam was absorbed, 0 to 1 of the range of `bits`.
     bits : int
-        Bits stored per pixel.
+        Bits that the pixels use: 12 bits are often kept in files of 16.
     sha256 : str
         Of the bytes as they arrived.
     """
@@ -82,6 +83,8 @@ def decode(data: bytes, frame: int | None = None) -> XrayImage | Refusal:
     if isinstance(stored, Refusal):
         return stored
     values, bits, inverted = stored
+    if bits == _DEPTHS[-1]:
+        bits = next(depth for depth in _DEPTHS if values.max() < 2**depth)
     pixels = values.astype(np.float32) / np.float32(2**bits - 1)
     return XrayImage(1.0 - pixels if inverted else pixels, bits, hashlib.sha256(data).hexdigest())
 

@@ -144,3 +144,13 @@ def test_flipped_bytes_never_raise(seed: int) -> None:
     for place in rng.integers(0, min(len(data), 1200), 20):
         data[place] = rng.integers(0, 256)
     assert isinstance(decode(bytes(data)), XrayImage | Refusal)
+
+
+@pytest.mark.parametrize(("greatest", "bits"), [(200, 8), (1000, 10), (4095, 12), (4096, 14), (40_000, 16)])
+@pytest.mark.parametrize("kind", ["PNG", "TIFF"])
+def test_files_of_16_bits_tell_by_their_values_how_many_they_use(kind: str, greatest: int, bits: int) -> None:
+    values = (np.arange(RAMP.size).reshape(RAMP.shape) % (greatest + 1)).astype(np.uint16)
+    image = decode(picture(values, kind))
+    assert isinstance(image, XrayImage)
+    assert image.bits == bits
+    assert image.pixels.max() == pytest.approx(greatest / (2.0**bits - 1.0))
