@@ -31,11 +31,11 @@ def register(image: bytes, guide: bytes, carm: bytes) -> Json:
     decoded = decode(image)
     if isinstance(decoded, Refusal):
         return refusal_to_json(decoded)
-    guide_file = read_guide(guide)
-    findings = examine(decoded, guide_file, read_carm(carm))
+    guide_file, carm_file = read_guide(guide), read_carm(carm)
+    findings = examine(decoded, guide_file, carm_file)
     if isinstance(findings.result, Registration):
         return to_json(findings.result)
-    picture = png(draw(inspect(decoded, guide_file, findings)))
+    picture = png(draw(inspect(decoded, guide_file, carm_file, findings)))
     return refusal_to_json(findings.result) | {"findings_png_base64": base64.b64encode(picture).decode()}
 
 

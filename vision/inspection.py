@@ -7,13 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RectBivariateSpline
 
+from vision.absorption import absorption
 from vision.alignment import check_depth, goal, target_in_source
 from vision.contour import ContourFit
 from vision.detection import RingCandidate
-from vision.devices import Guide
+from vision.devices import CArm, Guide
 from vision.distortion import DistortionMap, FittedBalls
 from vision.findings import Findings
 from vision.line_ends import LineEnd
+from vision.plate import ball_spots
 from vision.projection import View, project
 from vision.refusal import Refusal
 from vision.registered import DEFAULT_DEPTH_MM, PixelSpace, PredictedError, Registration
@@ -79,10 +81,25 @@ class Aim:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inspection:
-    """All that a picture shows; `pixels` (rows, columns) is on the corrected grid where there is one."""
+    """All that a picture shows.
+
+    Attributes
+    ----------
+    pixels : NDArray[np.float32]
+        (rows, columns), on the corrected grid where there is one.
+    spots : Array
+        (n, 2), raw pixels: what may be balls, where no plate came of them.
+    balls : FittedBalls or None
+        Of the plate.
+    rings, views
+        Candidates, and the views of the guide that were tried on them.
+    aim : Aim or Refusal or None
+        None where there is no registration.
+    """
 
     pixels: NDArray[np.float32]
     result: Registration | Refusal
+    spots: Array
     balls: FittedBalls | None
     rings: list[RingCandidate]
     views: list[FoundView]
@@ -92,6 +109,7 @@ class Inspection:
 def inspect(
     image: XrayImage,
     guide: Guide,
+    carm: CArm,
     findings: Findings,
     target: tuple[float, float] | None = None,
     space: PixelSpace = PixelSpace.RAW,
@@ -101,7 +119,7 @@ def inspect(
 
     Parameters
     ----------
-    image, guide
+    image, guide, carm
         As they were registered.
     findings : Findings
         Of `registration.examine`.
@@ -121,11 +139,18 @@ def inspect(
     return Inspection(
         pixels=image.pixels if corrected is None else _on_corrected_grid(image.pixels, corrected.plate.map),
         result=result,
+        spots=_spots(image, carm) if corrected is None else np.zeros((0, 2)),
         balls=None if corrected is None else corrected.plate.balls,
         rings=[] if search is None else search.candidates.rings,
         views=[] if search is None else [_found(attempt, guide) for attempt in _shown(search)],
         aim=_aim(result, target, space, depth_mm) if isinstance(result, Registration) else None,
     )
+
+
+def _spots(image: XrayImage, carm: CArm) -> Array:
+    if carm.plate is None:
+        return np.zeros((0, 2))
+    return ball_spots(absorption(image), carm.plate, carm.field_of_view_mm / max(image.rows, image.columns))
 
 
 def _on_corrected_grid(pixels: NDArray[np.float32], distortion: DistortionMap) -> NDArray[np.float32]:

@@ -32,7 +32,8 @@ MOST_CANDIDATES = 6  # ring candidates named, the best supported first
 
 
 def draw_balls(panel: Panel, inspection: Inspection) -> None:
-    """Balls with their residual arrows; those that the map left out in red."""
+    """Balls with their residual arrows, those that the map left out in red; without a plate, what may be balls."""
+    panel.circles(inspection.spots, 4.0, _CANDIDATE)
     balls = inspection.balls
     if balls is None or (isinstance(inspection.result, Registration) and not len(balls.raw)):
         return

@@ -71,6 +71,14 @@ def find_lattice(absorption: Absorption, plate: Plate, pixel_size_mm: float) -> 
     return Lattice(spots.raw[spots.settled], places[spots.settled].astype(np.float64))
 
 
+def ball_spots(absorption: Absorption, plate: Plate, pixel_size_mm: float) -> Array:
+    """Dark spots (n, 2) of the balls' size, raw pixels, from among which a lattice is looked for.
+
+    The arguments are those of `find_lattice`.
+    """
+    return _candidates(absorption, plate.ball_diameter_mm / 2.0 / pixel_size_mm)[:_SEED_CANDIDATES]
+
+
 def balls_on_any_lattice(absorption: Absorption, pixel_size_mm: float) -> int:
     """Balls on the largest lattice of a usual plate, where the C-arm file knows of none.
 

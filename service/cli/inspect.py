@@ -48,7 +48,7 @@ def inspect_command(
             entries.append(_refused(path, image))
             continue
         findings = examine(image, guide_file, carm_file)
-        inspection = inspect_findings(image, guide_file, findings, target, PixelSpace(space), depth_mm)
+        inspection = inspect_findings(image, guide_file, carm_file, findings, target, PixelSpace(space), depth_mm)
         picture = f"{number:03d}-{path.stem}.png"
         write_file(out / picture, png(draw(inspection)))
         print_line(_to_json(inspection) | {"image": identity, "picture": picture})

@@ -55,7 +55,7 @@ def inspected(guide: Guide, flat_panel: CArm) -> Callable[..., Inspection]:
         image, key = image_of(pixels), (pixels.tobytes(), carm)
         if key not in examined:
             examined[key] = examine(image, guide, carm)
-        return inspect(image, guide, examined[key], *target)
+        return inspect(image, guide, carm, examined[key], *target)
 
     return run
 
@@ -138,6 +138,19 @@ def test_an_intensifier_image_is_shown_corrected_with_its_balls(
     original = map_coordinates(image_of(render(scene, 8).pixels).pixels, raw[:, ::-1].T, order=1)
     shown = inspection.pixels[corrected[:, 1].astype(int), corrected[:, 0].astype(int)]
     assert shown == pytest.approx(original, abs=0.005)  # OpenCV's remap knows thirty-seconds of a pixel
+
+
+def test_where_too_little_of_the_plate_is_seen_its_balls_are_shown(
+    inspected: Callable[..., Inspection], intensifier: CArm
+) -> None:
+    scene = random_scene(8, "ii")
+    pixels = render(replace(scene, guides=()), 8).pixels
+    pixels[:, 350:] = 0  # a collimator's blade
+    inspection = inspected(pixels, carm=intensifier)
+    assert isinstance(inspection.result, Refusal)
+    assert inspection.result.code is RefusalCode.PLATE_TOO_SPARSE
+    assert len(inspection.spots) >= inspection.result.measured
+    assert (inspection.spots[:, 0] < 360.0).all()
 
 
 def test_a_picture_is_a_png_with_the_guide_in_colour(inspected: Callable[..., Inspection]) -> None:
