@@ -32,6 +32,15 @@ def goal_in_base(base_from_guide: Transform, guide_from_goal: Transform) -> Tran
     return check_rigid(base_from_guide) @ check_rigid(guide_from_goal)
 
 
+def motion_between(base_from_before: Transform, base_from_after: Transform) -> Transform:
+    """`before_from_after` (4, 4), mm, of two poses of the guide; ValueError if one is not a rigid transform."""
+    before, after = check_rigid(base_from_before), check_rigid(base_from_after)
+    motion = np.eye(4)
+    motion[:3, :3] = before[:3, :3].T @ after[:3, :3]
+    motion[:3, 3] = before[:3, :3].T @ (after[:3, 3] - before[:3, 3])
+    return motion
+
+
 def check_rigid(transform: Transform) -> Transform:
     """Return a (4, 4) transform unchanged; ValueError unless it is finite, proper and rigid."""
     matrix = np.asarray(transform, dtype=np.float64)

@@ -1,6 +1,7 @@
 """The TCP calibration file: where the guide is on the flange, what it weighs and how big it is."""
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import date
 
@@ -26,6 +27,8 @@ class Tool:
         How far the controller's values may be from these (H10).
     envelope : Envelope
         The room that guide and holder take up (H12).
+    calibration_sd_mm, calibration_sd_rad : float
+        Standard deviation of `flange_from_guide` along and about each axis: how well it was measured (H03).
     sha256 : str
         Of the file's bytes.
     """
@@ -42,6 +45,8 @@ class Tool:
     payload_tolerance_kg: float
     payload_tolerance_mm: float
     envelope: Envelope
+    calibration_sd_mm: float
+    calibration_sd_rad: float
 
 
 # Plausible ranges (H09): a metre taken for a millimetre, or a radian for a degree, falls outside one of them.
@@ -57,6 +62,13 @@ _TOLERANCES = {
 }
 
 
+# How well a TCP is known that was calibrated with care (docs/method.md, two images).
+_CALIBRATION = {
+    "translation_sd_mm": (0.1, (0.001, 5.0)),
+    "rotation_sd_deg": (0.05, (0.001, 5.0)),
+}
+
+
 def read_tool(data: bytes) -> Tool:
     """Read a TCP calibration file (TOML).
 
@@ -67,9 +79,8 @@ def read_tool(data: bytes) -> Tool:
     """
     file = parse_table(data, "TCP calibration")
     tcp, payload = subtable(file, "tcp"), subtable(file, "payload")
-    given = subtable(file, "tolerance") if "tolerance" in file else {}
-    refuse_unknown(given, "[tolerance]", set(_TOLERANCES))
-    tolerance = {name: number(given, name, allowed, default) for name, (default, allowed) in _TOLERANCES.items()}
+    tolerance = _optional(file, "tolerance", _TOLERANCES)
+    calibration = _optional(file, "calibration", _CALIBRATION)
     return Tool(
         name=text(file, "name"),
         version=text(file, "version"),
@@ -83,7 +94,16 @@ def read_tool(data: bytes) -> Tool:
         payload_tolerance_kg=tolerance["mass_kg"],
         payload_tolerance_mm=tolerance["centre_mm"],
         envelope=read_envelope(subtable(file, "envelope")),
+        calibration_sd_mm=calibration["translation_sd_mm"],
+        calibration_sd_rad=float(np.deg2rad(calibration["rotation_sd_deg"])),
     )
+
+
+def _optional(file: Table, key: str, known: Mapping[str, tuple[float, tuple[float, float]]]) -> dict[str, float]:
+    """A table that may be left out, each of its numbers with a default and a range."""
+    given = subtable(file, key) if key in file else {}
+    refuse_unknown(given, f"[{key}]", set(known))
+    return {name: number(given, name, allowed, default) for name, (default, allowed) in known.items()}
 
 
 def _transform(tcp: Table) -> Transform:

@@ -79,6 +79,16 @@ class AuditSettings(_Section):
     syslog_ca_file: Path | None = None  # None: the system's certificate authorities
 
 
+class ArmAccuracy(_Section):
+    """Standard deviation of a pose that the arm reports, along and about each axis (H03).
+
+    For motions of some centimetres about one posture; the defaults are those of an arm calibrated at its factory.
+    """
+
+    position_sd_mm: float = Field(default=0.1, gt=0, le=5)
+    rotation_sd_deg: float = Field(default=0.02, gt=0, le=5)
+
+
 class ProcedureLimits(_Section):
     """The limits of the procedure; degrees and mm are 95 % bounds (error + its uncertainty)."""
 
@@ -105,6 +115,7 @@ class Settings(BaseSettings):
     session: SessionSettings = SessionSettings()
     vision: VisionSettings = VisionSettings()
     limits: ProcedureLimits = ProcedureLimits()
+    arm_accuracy: ArmAccuracy = ArmAccuracy()
     audit: AuditSettings = AuditSettings()
 
     @property
@@ -132,7 +143,7 @@ class Settings(BaseSettings):
 
     def fingerprint(self) -> str:
         """SHA-256 of what decides during a case (H30); addresses, folders and session lengths do not."""
-        decisive = self.model_dump_json(include={"room", "arm_address", "dicom", "vision", "limits"})
+        decisive = self.model_dump_json(include={"room", "arm_address", "dicom", "vision", "limits", "arm_accuracy"})
         return hashlib.sha256(decisive.encode()).hexdigest()
 
 

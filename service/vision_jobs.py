@@ -4,6 +4,7 @@ The shapes are those of the command line: a refusal is `{"status": "refused", "r
 """
 
 import base64
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -15,12 +16,21 @@ from vision.devices import read_carm, read_guide
 from vision.drawing import draw, png
 from vision.evaluation import evaluate as evaluate_image
 from vision.inspection import inspect
+from vision.motion_agreement import MotionErrors, detectable_motion
 from vision.refusal import Refusal
 from vision.registered import PixelSpace, Registration
 from vision.registration import examine
 from vision.registration_json import from_json, to_json
-from vision.result_json import carm_angles_to_json, evaluation_to_json, refusal_to_json, targeting_to_json
+from vision.result_json import (
+    carm_angles_to_json,
+    evaluation_to_json,
+    refusal_to_json,
+    relative_motion_to_json,
+    targeting_to_json,
+    two_images_to_json,
+)
 from vision.targeting import target as aim
+from vision.two_images import Before, compare_images
 from vision.xray import decode
 
 Json = dict[str, Any]
@@ -39,21 +49,46 @@ def register(image: bytes, guide: bytes, carm: bytes) -> Json:
     return refusal_to_json(findings.result) | {"findings_png_base64": base64.b64encode(picture).decode()}
 
 
-def target(registration: Json, pixel: tuple[float, float], space: str, depth_mm: float) -> Json:
-    """Where the guide must go."""
-    result = aim(from_json(registration), pixel, PixelSpace(space), depth_mm)
-    return refusal_to_json(result) if isinstance(result, Refusal) else targeting_to_json(result)
-
-
-def evaluate(image: bytes, guide: bytes, carm: bytes, pixel: tuple[float, float], space: str, depth_mm: float) -> Json:
-    """How well the guide points, with the contour registration of this image for a correction."""
-    decoded = decode(image)
-    if isinstance(decoded, Refusal):
-        return refusal_to_json(decoded)
-    result = evaluate_image(decoded, read_guide(guide), read_carm(carm), pixel, PixelSpace(space), depth_mm)
+def target(registration: Json, raw_px: tuple[float, float], depth_mm: float, errors: Json) -> Json:
+    """Where the guide must go, and what else that moves meanwhile the next image will see."""
+    registered = from_json(registration)
+    result = aim(registered, raw_px, PixelSpace.RAW, depth_mm)
     if isinstance(result, Refusal):
         return refusal_to_json(result)
-    return evaluation_to_json(result) | {"registration": to_json(result.registration)}
+    detectable = detectable_motion(registered, result.guide_from_goal, _motion_errors(errors))
+    return targeting_to_json(result) | {"detectable_motion": relative_motion_to_json(detectable)}
+
+
+def evaluate(
+    image: bytes, guide: bytes, carm: bytes, raw_px: tuple[float, float], depth_mm: float, before: Json
+) -> Json:
+    """How well the guide points, what else moved, and this image's contour registration for a correction.
+
+    `before` holds the `image` from which the move was planned, its `registration`, the guide's motion since by the arm
+    (`before_from_after`) and the standard deviations of that (`errors`).
+    """
+    decoded, first = decode(image), decode(before["image"])
+    for one in (decoded, first):
+        if isinstance(one, Refusal):
+            return refusal_to_json(one)
+    result = evaluate_image(decoded, read_guide(guide), read_carm(carm), raw_px, PixelSpace.RAW, depth_mm)
+    if isinstance(result, Refusal):
+        return refusal_to_json(result)
+    motion = np.array(before["before_from_after"])
+    known = Before(first, from_json(before["registration"]), motion, _motion_errors(before["errors"]))
+    compared = compare_images(known, decoded, result.registration, raw_px, depth_mm)
+    if isinstance(compared, Refusal):
+        return refusal_to_json(compared)
+    return evaluation_to_json(result) | two_images_to_json(compared) | {"registration": to_json(result.registration)}
+
+
+def _motion_errors(errors: Json) -> MotionErrors:
+    return MotionErrors(
+        arm_rad=math.radians(errors["arm_sd_deg"]),
+        arm_mm=errors["arm_sd_mm"],
+        tcp_rad=math.radians(errors["tcp_sd_deg"]),
+        tcp_mm=errors["tcp_sd_mm"],
+    )
 
 
 def carm_angles(entry_mm: tuple[float, ...], target_mm: tuple[float, ...], position: str) -> Json:

@@ -55,15 +55,15 @@ class VisionWorker:
         """`coaxial register` on bytes; the image's path is left out."""
         return await self.run("register", image, guide, carm)
 
-    async def target(self, registration: Json, pixel: tuple[float, float], space: str, depth_mm: float) -> Json:
-        """`coaxial target` from a registration's JSON."""
-        return await self.run("target", registration, pixel, space, depth_mm)
+    async def target(self, registration: Json, raw_px: tuple[float, float], depth_mm: float, errors: Json) -> Json:
+        """`coaxial target` from a registration's JSON, with what the next image will see to have moved."""
+        return await self.run("target", registration, raw_px, depth_mm, errors)
 
     async def evaluate(
-        self, image: bytes, guide: bytes, carm: bytes, pixel: tuple[float, float], space: str, depth_mm: float
+        self, image: bytes, guide: bytes, carm: bytes, raw_px: tuple[float, float], depth_mm: float, before: Json
     ) -> Json:
-        """`coaxial evaluate` on bytes; `registration` is the contour registration, for a correction."""
-        return await self.run("evaluate", image, guide, carm, pixel, space, depth_mm)
+        """`coaxial evaluate` on bytes, held against the image before; `registration` is for a correction."""
+        return await self.run("evaluate", image, guide, carm, raw_px, depth_mm, before)
 
     async def carm_angles(self, entry_mm: tuple[float, ...], target_mm: tuple[float, ...], position: str) -> Json:
         """`coaxial plan-carm`."""

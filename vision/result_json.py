@@ -8,8 +8,10 @@ from vision.refusal import Refusal
 if TYPE_CHECKING:  # so that to print C-arm angles takes no image libraries
     from vision.carm_angles import CArmAngles
     from vision.evaluation import AlignmentError, Evaluation
+    from vision.motion_agreement import RelativeMotion
     from vision.registered import PredictedError
     from vision.targeting import Targeting
+    from vision.two_images import TwoImages
 
 
 def targeting_to_json(targeting: "Targeting") -> dict[str, Any]:
@@ -48,6 +50,34 @@ def evaluation_to_json(evaluation: "Evaluation") -> dict[str, Any]:
         "difference": _error_to_json(evaluation.difference),
         "difference_limit": _error_to_json(evaluation.limit),
         "agree": evaluation.agree,
+    }
+
+
+def two_images_to_json(compared: "TwoImages") -> dict[str, Any]:
+    """What moved between two images, for the object of an evaluation."""
+    motion, anatomy = compared.motion, compared.anatomy
+    return {
+        "motion_agreement": {
+            "chi_square": motion.chi_square,
+            "difference": relative_motion_to_json(motion.difference),
+            "detectable": relative_motion_to_json(motion.detectable),
+        },
+        "anatomy_shift": {
+            "measured": anatomy.is_measured,
+            "across_mm": anatomy.across_mm,
+            "along_mm": anatomy.along_mm,
+            "across_sd_mm": anatomy.across_sd_mm,
+            "correlation": anatomy.correlation,
+        },
+    }
+
+
+def relative_motion_to_json(motion: "RelativeMotion") -> dict[str, float]:
+    """A motion of the C-arm against the arm's base, the turn in degrees."""
+    return {
+        "rotation_deg": math.degrees(motion.rotation_rad),
+        "across_mm": motion.across_mm,
+        "along_mm": motion.along_mm,
     }
 
 

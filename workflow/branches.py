@@ -6,7 +6,7 @@ from workflow.facts import Evaluated, GuideStated, MotionEnded, RegistrationComp
 from workflow.facts import VerificationRefused as EvaluationRefused
 from workflow.findings import within
 from workflow.inquiry import Inquiry
-from workflow.interlocks import EVALUATION, VERIFICATION_LIMITS
+from workflow.interlocks import EVALUATION, PATIENT_KEPT, VERIFICATION_LIMITS, VIEW_KEPT
 from workflow.plans import AIMED
 from workflow.rows import Branch
 from workflow.states import GuideState, InsertionStatus
@@ -15,11 +15,17 @@ from workflow.verdicts import Verdict
 
 Verdicts = Sequence[Verdict]
 _EVALUATION = frozenset(lock.code for lock in EVALUATION)
+_VIEW = frozenset(lock.code for lock in VIEW_KEPT)
+_PATIENT = frozenset(lock.code for lock in PATIENT_KEPT)
 _LIMITS = frozenset(lock.code for lock in VERIFICATION_LIMITS)
 
 
 def _fails(verdicts: Verdicts, codes: frozenset[str]) -> bool:
     return any(not verdict.passed for verdict in verdicts if verdict.code in codes)
+
+
+def _unmeasured(verdicts: Verdicts, codes: frozenset[str]) -> bool:
+    return any(verdict.measured is None for verdict in verdicts if verdict.code in codes)
 
 
 def _image(_: Inquiry, verdicts: Verdicts) -> Branch:
@@ -78,7 +84,11 @@ def _failed(inquiry: Inquiry, verdicts: Verdicts) -> Branch:
     """Who says failed is believed, within the limits or not."""
     if not _is_evaluated(inquiry, inquiry.told(Evaluated).image_id):
         return Branch.LATE
-    return Branch.UNUSABLE if _fails(verdicts, _EVALUATION) else Branch.EXCEEDED
+    if _fails(verdicts, _EVALUATION) or _unmeasured(verdicts, _VIEW | _PATIENT):
+        return Branch.UNUSABLE
+    if _fails(verdicts, _VIEW):
+        return Branch.VIEW_MOVED
+    return Branch.PATIENT_SHIFTED if _fails(verdicts, _PATIENT) else Branch.EXCEEDED
 
 
 def _not_evaluated(inquiry: Inquiry, _: Verdicts) -> Branch:
@@ -100,7 +110,7 @@ def _guide(inquiry: Inquiry, _: Verdicts) -> Branch:
 
 Chooser = Callable[[Inquiry, Verdicts], Branch]
 _MOTION_ENDS = frozenset({Branch.LATE, Branch.ADRIFT, Branch.AT_REST})
-_EVALUATED = frozenset({Branch.LATE, Branch.UNUSABLE, Branch.EXCEEDED})
+_EVALUATED = frozenset({Branch.LATE, Branch.UNUSABLE, Branch.VIEW_MOVED, Branch.PATIENT_SHIFTED, Branch.EXCEEDED})
 _CURRENT = frozenset({Branch.LATE, Branch.CURRENT})
 
 # Every branch that a chooser can return: the table must have exactly one row for each, in every state.

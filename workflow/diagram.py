@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from workflow.branches import branches_of
-from workflow.interlocks import DEFERRED_HAZARDS, INTERLOCKS, REQUIRED
+from workflow.interlocks import INTERLOCKS, REQUIRED
 from workflow.rows import Branch, Goto, Row
 from workflow.states import IDLE, INSERTION, LIVE, OVER, State
 from workflow.table import TABLE
@@ -102,7 +102,6 @@ def interlock_table() -> str:
 
 def page() -> str:
     """docs/state-machine.md, whole."""
-    deferred = " and ".join(DEFERRED_HAZARDS)
     return f"""\
 # The state machine
 
@@ -124,9 +123,9 @@ request with the trigger that leads onwards, counts an observation as late and r
 ## Interlocks
 
 Each measures, compares and answers with a verdict that is stored with every attempt; what is unknown, stale, negative
-or not a number refuses. {deferred} (the patient moved between two images) is not enforced yet and never reported as
-passed, nor is what H03 (the C-arm moved) asks for beside the age of the image: both need the comparison of two images,
-and will judge `verification_passed` and `verification_failed`.
+or not a number refuses. What an image after a move shows beside the guide's error is held against the image before:
+where the rings' motion is not the arm's (H03) the evaluation is taken as `carm_moved`, where the anatomy shifted (H34)
+as `patient_moved`, with the same voids; where either could not be measured, the verification is refused.
 
 `configuration` judges every request that brings a case further. Where program, settings or device files are not those
 that the case was opened with, stop and pause, statements, notes, control, acknowledgement, a retreat, the end of an

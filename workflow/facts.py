@@ -153,7 +153,7 @@ class MotionEnded:
 
 @dataclass(frozen=True, slots=True)
 class Evaluated:
-    """A verification image was evaluated both ways; bounds are 95 %, of the contour figures."""
+    """A verification image was evaluated both ways and held against the image before; bounds are 95 %, of contour."""
 
     evaluation_id: str
     image_id: str
@@ -162,6 +162,9 @@ class Evaluated:
     position_error_mm: float | None
     position_bound_mm: float | None
     agree: bool | None  # paper and contour within their bounds (H33)
+    motion_chi_square: float | None  # of the rings' motion against the arm's, 6 degrees of freedom (H03)
+    anatomy_across_mm: float | None  # shift of the anatomy between the images, at the target's depth (H34)
+    anatomy_along_mm: float | None
 
 
 @dataclass(frozen=True, slots=True)

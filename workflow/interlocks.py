@@ -15,10 +15,6 @@ from workflow.states import State
 from workflow.triggers import Trigger
 from workflow.verdicts import Verdict
 
-# Named in the hazard table, judged from later evidence, and not enforced here yet: never reported as passed. Of H03 the
-# age of the image is enforced; that the guide's motion between two images is the arm's is not.
-DEFERRED_HAZARDS = ("H34",)
-
 _FEEDBACK = (arm.FEEDBACK_FRESH, arm.JOINTS_FRESH, arm.FEEDBACK_FINITE, arm.FEEDBACK_ADVANCES)
 _READY_ARM = (arm.AT_REST, arm.GUARD_ALIVE, arm.SAFETY_NORMAL, *_FEEDBACK)
 _DEVICES = (arm.DEVICES_IN_DATE, arm.TCP_MM, arm.TCP_RAD, arm.PAYLOAD_KG)
@@ -36,7 +32,11 @@ _REGISTRATION = (
 )
 _MOTION = (*_READY_ARM, *_DEVICES, motion.GUIDE_EMPTY, motion.NO_INSERTION)
 EVALUATION = (verification.FIGURES_PLAUSIBLE, verification.IMAGE_EVALUATED, verification.EVALUATIONS_AGREE)
+# Two images hold these against each other; what fails voids the view, or the image.
+VIEW_KEPT = (verification.MOTION_AGREES,)
+PATIENT_KEPT = (verification.ANATOMY_ACROSS, verification.ANATOMY_ALONG)
 VERIFICATION_LIMITS = (verification.ANGLE_ERROR, verification.POSITION_ERROR)
+_VERIFICATION = (*EVALUATION, *VIEW_KEPT, *PATIENT_KEPT, *VERIFICATION_LIMITS)
 # The pose held during the exposure is only worth something while every displacement since is accounted for.
 _POSE_KEPT = (arm.UNACCOUNTED_MM, arm.UNACCOUNTED_RAD)
 _IMAGE_KEPT = (image.IMAGE_AGE, *_POSE_KEPT)
@@ -75,8 +75,8 @@ REQUIRED: dict[Trigger, tuple[Interlock, ...]] = {
         arm.CHALLENGE_FRESH,
         *_MOTION,
     ),
-    Trigger.VERIFICATION_PASSED: (*EVALUATION, *VERIFICATION_LIMITS),
-    Trigger.VERIFICATION_FAILED: (*EVALUATION, *VERIFICATION_LIMITS),
+    Trigger.VERIFICATION_PASSED: _VERIFICATION,
+    Trigger.VERIFICATION_FAILED: _VERIFICATION,
     Trigger.CORRECTION_REQUESTED: (verification.CORRECTION_IMAGE, *_REGISTRATION, *_IMAGE_KEPT),
     Trigger.INSERTION_STARTED: (
         motion.SURGEON,

@@ -38,6 +38,11 @@ class Limits:
     # The verification: error and its 95 % bound together.
     angle_error_rad: float = math.radians(1.0)
     position_error_mm: float = 1.5
+    # H03: 99.5 % of a chi-square over 6 degrees of freedom, so that 1 in 200 unmoved pairs is refused (method).
+    motion_chi_square: float = 18.548
+    # H34, at the target's depth: half of what must be seen across the beam; along it the scale tells less.
+    anatomy_across_mm: float = 0.5
+    anatomy_along_mm: float = 2.0
     # H05 to H07: what a registration must at least show; the finer gates are vision's.
     plate_balls: int = 40  # a tenth of the reference plate
     scale_error: float = 0.1  # relative: a C-arm file that is off by more is another C-arm's

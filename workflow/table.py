@@ -155,6 +155,58 @@ MOTION_ROWS: Entries = (
 
 _EVALUATED_IN = (S.MOVED, S.SAFE_HOLD)
 
+
+def _seen_to_move(judged: Trigger) -> Entries:
+    """Rows of a verification image in which the C-arm, the base or the patient is seen to have moved."""
+    view = (do.void_view_keeping_passed, do.forget_images)
+    patient = (do.void_from(Link.IMAGE), do.forget_images)
+    held = (Effect.ALARM,)
+    return (
+        _row(
+            30,
+            judged,
+            [S.MOVED],
+            Goto.SETTLE,
+            *view,
+            on=[B.VIEW_MOVED],
+            settles_to=[S.CASE_OPEN],
+            taken_as=T.CARM_MOVED,
+        ),
+        _row(
+            34,
+            judged,
+            [S.SAFE_HOLD],
+            Goto.SAME,
+            *view,
+            do.flag_insertion,
+            on=[B.VIEW_MOVED],
+            effects=held,
+            taken_as=T.CARM_MOVED,
+        ),
+        _row(
+            31,
+            judged,
+            [S.MOVED],
+            Goto.SETTLE,
+            *patient,
+            on=[B.PATIENT_SHIFTED],
+            settles_to=[S.CARM_POSITIONED],
+            taken_as=T.PATIENT_MOVED,
+        ),
+        _row(
+            34,
+            judged,
+            [S.SAFE_HOLD],
+            Goto.SAME,
+            *patient,
+            do.flag_insertion,
+            on=[B.PATIENT_SHIFTED],
+            effects=held,
+            taken_as=T.PATIENT_MOVED,
+        ),
+    )
+
+
 VERIFICATION_ROWS: Entries = (
     _row(18, T.VERIFICATION_PASSED, [S.MOVED], S.VERIFIED, do.pass_verification, on=[B.PASSED]),
     _row(18, T.VERIFICATION_PASSED, [S.SAFE_HOLD], Goto.SAME, do.pass_verification, on=[B.PASSED]),
@@ -190,6 +242,8 @@ VERIFICATION_ROWS: Entries = (
         )
         for judged in (T.VERIFICATION_PASSED, T.VERIFICATION_FAILED)
     ),
+    # The image itself shows that something moved: rows 30, 31 and, in safe_hold, 34 by another way.
+    *(row for judged in (T.VERIFICATION_PASSED, T.VERIFICATION_FAILED) for row in _seen_to_move(judged)),
     _row(20, T.VERIFICATION_REFUSED, _EVALUATED_IN, Goto.SAME, do.drop_evaluation, on=[B.CURRENT]),
     _row(21, T.CORRECTION_REQUESTED, _JUDGED, S.TARGET_CHOSEN, do.correct),
     _row(22, T.VERIFICATION_REJECTED, _JUDGED, Goto.SETTLE, do.void_verification, settles_to=[S.MOVED, S.CASE_OPEN]),

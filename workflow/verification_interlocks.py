@@ -55,6 +55,30 @@ EVALUATIONS_AGREE = Interlock(
     _EXPOSE,
     asks=True,
 )
+MOTION_AGREES = Interlock(
+    "motion_agrees",
+    "H03",
+    "the guide moved otherwise in the images than the arm says: C-arm or base moved, or the TCP or guide file is wrong",
+    bounded(given(Evaluated, lambda e: e.motion_chi_square), lambda limits: limits.motion_chi_square, ""),
+    (Trigger.CARM_POSITION_CONFIRMED,),
+    asks=True,
+)
+ANATOMY_ACROSS = Interlock(
+    "anatomy_across",
+    "H34",
+    "the anatomy shifted across the beam between the two images",
+    bounded(given(Evaluated, lambda e: e.anatomy_across_mm), lambda limits: limits.anatomy_across_mm, "mm"),
+    _EXPOSE,
+    asks=True,
+)
+ANATOMY_ALONG = Interlock(
+    "anatomy_along",
+    "H34",
+    "the anatomy shifted along the beam between the two images",
+    bounded(given(Evaluated, lambda e: e.anatomy_along_mm), lambda limits: limits.anatomy_along_mm, "mm"),
+    _EXPOSE,
+    asks=True,
+)
 # No hazard of its own: it is what every hazard before it would show in, and what the insertion waits for (H28).
 ANGLE_ERROR = Interlock(
     "angle_error",

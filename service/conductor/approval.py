@@ -1,10 +1,12 @@
 """The surgeon's approval of one plan: a single-use permit, with every interlock's measured value and limit."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends
+from sqlalchemy.engine import Connection
 
 from service.auth.permissions import Permission, Role
+from service.cases import store
 from service.cases.records import ArtefactKind, NewArtefact
 from service.conductor.answers import CommandAnswer
 from service.conductor.bodies import ApproveMove
@@ -33,12 +35,18 @@ def move_approved(
             "plan_id": body.plan_id,
             "control_token": approval.control_token,
             "life_s": conductor.rules.limits.permit_life_s,
+            "detectable_motion": _detectable(standing.connection, plan.id) if plan is not None else None,
         }
         columns = {"approved_by": caller.session.user_id}
         permit = NewArtefact(ArtefactKind.PERMIT, facts.permit_id, made_from, content, columns)
         return Prepared(facts, (permit,), {"permit": facts.permit_id}, {"plan_id": body.plan_id}, content)
 
     return conductor.perform(caller, Trigger.MOVE_APPROVED, prepare)
+
+
+def _detectable(connection: Connection, plan_id: str) -> Any:
+    """What the image after the motion will see to have moved (H03): told and recorded with the approval."""
+    return store.read_artefact(connection, ArtefactKind.PLAN, plan_id).content["detectable_motion"]
 
 
 def confirmed_approval(conductor: Conductor, caller: Caller, pin: str) -> Approval:

@@ -49,7 +49,8 @@ async def correction_requested(body: WithOptionalReason, caller: Chooser, conduc
         return await asyncio.to_thread(_perform, conductor, caller, Prepared(facts))
     u_px, v_px = verified.target["raw_px"]
     depth_mm = float(verified.target["depth_mm"])
-    aimed = await aim(conductor, dict(verified.registration), (float(u_px), float(v_px)), depth_mm)
+    raw_px = (float(u_px), float(v_px))
+    aimed = await aim(conductor, caller.case_id, dict(verified.registration), raw_px, depth_mm)
     quality, ids = quality_of(verified.registration), (verified.image_id, verified.registration_id)
     facts = CorrectionRequested(*ids, new_id(), quality, body.reason)
     target = target_artefact(facts.target_id, *ids, aimed, depth_mm, verified.target["planned_target"])

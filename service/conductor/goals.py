@@ -18,7 +18,7 @@ from service.cases.records import ArtefactKind
 from service.conductor.bodies import Pose, RequestPlan
 from service.conductor.device_set import DeviceSet
 from service.errors import ErrorCode, ServiceError
-from service.images.store import purpose_of
+from service.images.store import exposure_pose
 from workflow.case import CaseState
 from workflow.plans import PlanKind
 from workflow.verdicts import Verdict
@@ -26,13 +26,16 @@ from workflow.verdicts import Verdict
 _H12 = frozenset({RefusalCode.KEEP_OUT, RefusalCode.PATH_TOO_LONG})
 
 
+_PREDICTED = ("predicted_error_95", "detectable_motion")  # of a target; other motions predict neither
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Goal:
-    """A pose for the guide, and the error that is predicted there."""
+    """A pose for the guide, and what is predicted there: the error, and what the image after the motion will see."""
 
     base_from_goal: Transform
     axial: bool
-    predicted_error_95: Mapping[str, Any] | None
+    predicted: Mapping[str, Any]
 
 
 def goal_of(connection: Connection, case: CaseState, wanted: RequestPlan, arm: ArmState) -> Goal:
@@ -41,11 +44,13 @@ def goal_of(connection: Connection, case: CaseState, wanted: RequestPlan, arm: A
         case PlanKind.TARGETING | PlanKind.CORRECTIVE:
             return _at_the_target(connection, case)
         case PlanKind.APPROACH | PlanKind.CALIBRATION:
-            return Goal(_pose(wanted.base_from_goal), False, None)
+            return Goal(_pose(wanted.base_from_goal), False, dict.fromkeys(_PREDICTED))
         case PlanKind.NUDGE:
-            return Goal(goal_in_base(arm.base_from_tcp, _pose(wanted.step)), False, None)
+            return Goal(goal_in_base(arm.base_from_tcp, _pose(wanted.step)), False, dict.fromkeys(_PREDICTED))
         case PlanKind.RETREAT:
-            return Goal(goal_in_base(arm.base_from_tcp, retreat(wanted.distance_mm or 0.0)), True, None)
+            return Goal(
+                goal_in_base(arm.base_from_tcp, retreat(wanted.distance_mm or 0.0)), True, dict.fromkeys(_PREDICTED)
+            )
         case _:
             assert_never(wanted.kind)
 
@@ -87,12 +92,9 @@ def _at_the_target(connection: Connection, case: CaseState) -> Goal:
         # The rules refuse the request for what is missing; they need a plan to say so about.
         raise ServiceError(ErrorCode.IMAGE_NOT_REGISTERED, "the case has no target to move to")
     targeting = store.read_artefact(connection, ArtefactKind.TARGET, case.target.id).content["targeting"]
-    purpose = purpose_of(connection, case.image.id)
-    base_from_guide = purpose.arm.get("base_from_tcp") if purpose else None
-    if base_from_guide is None:
-        raise ServiceError(ErrorCode.EXPOSURE_POSE_UNKNOWN, "the arm's pose during the exposure is unknown")
-    base_from_goal = goal_in_base(np.array(base_from_guide), np.array(targeting["guide_from_goal"]))
-    return Goal(base_from_goal, False, targeting["predicted_error_95"])
+    base_from_guide = exposure_pose(connection, case.image.id)
+    base_from_goal = goal_in_base(base_from_guide, np.array(targeting["guide_from_goal"]))
+    return Goal(base_from_goal, False, {name: targeting[name] for name in _PREDICTED})
 
 
 def _pose(pose: Pose | None) -> Transform:

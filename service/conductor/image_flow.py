@@ -157,6 +157,7 @@ def _evaluated(image_id: str, result: Json) -> Prepared:
     The contour registration inside is recorded as one of its own: a correction starts from it.
     """
     contour, bounds = result["contour"], result["contour"]["predicted_error_95"]
+    anatomy = result["anatomy_shift"]
     facts = Evaluated(
         evaluation_id=new_id(),
         image_id=image_id,
@@ -165,6 +166,9 @@ def _evaluated(image_id: str, result: Json) -> Prepared:
         position_error_mm=contour["position_error_mm"],
         position_bound_mm=bounds["position_mm"],
         agree=result["agree"],
+        motion_chi_square=result["motion_agreement"]["chi_square"],
+        anatomy_across_mm=anatomy["across_mm"] if anatomy["measured"] else None,
+        anatomy_along_mm=anatomy["along_mm"] if anatomy["measured"] else None,
     )
     registration = registration_artefact(new_id(), image_id, result["registration"])
     figures = {key: value for key, value in result.items() if key != "registration"}

@@ -8,12 +8,13 @@ from typing import Any
 
 from sqlalchemy.engine import Connection
 
+from robot.frames import motion_between
 from service.cases import store
 from service.cases.records import ArtefactKind
 from service.conductor.conductor import Conductor
 from service.conductor.device_set import DeviceSet, devices_of
 from service.errors import ServiceError
-from service.images.store import original_bytes
+from service.images.store import exposure_pose, original_bytes
 from workflow.facts import RegistrationQuality
 
 Json = dict[str, Any]
@@ -34,19 +35,23 @@ async def register_image(conductor: Conductor, case_id: str, image_id: str) -> J
 
 
 async def evaluate_image(conductor: Conductor, case_id: str, image_id: str, target: Mapping[str, Any]) -> Json:
-    """How well the guide points at a target of the case, from an image after the move.
+    """How well the guide points at a target of the case, from an image after the move, held against the one before.
 
     The target crosses images as a raw pixel and is corrected in each anew.
     """
     inputs = await asyncio.to_thread(_inputs, conductor, case_id, image_id)
+    before = await asyncio.to_thread(_before, conductor, case_id, image_id, target)
     devices, pixel = inputs.devices, _pair(target["raw_px"])
     depth_mm = float(target["depth_mm"])
-    return await conductor.parts.vision.evaluate(inputs.image, devices.guide, devices.carm, pixel, "raw", depth_mm)
+    return await conductor.parts.vision.evaluate(inputs.image, devices.guide, devices.carm, pixel, depth_mm, before)
 
 
-async def aim(conductor: Conductor, registration: Json, raw_px: tuple[float, float], depth_mm: float) -> Json:
-    """Where the guide must go; ServiceError with vision's own code where it says no."""
-    return accepted(await conductor.parts.vision.target(registration, raw_px, "raw", depth_mm))
+async def aim(
+    conductor: Conductor, case_id: str, registration: Json, raw_px: tuple[float, float], depth_mm: float
+) -> Json:
+    """Where the guide must go, and what the next image will see; ServiceError with vision's code where it says no."""
+    errors = await asyncio.to_thread(_motion_errors, conductor, case_id)
+    return accepted(await conductor.parts.vision.target(registration, raw_px, depth_mm, errors))
 
 
 async def draw_back(conductor: Conductor, image_id: str, registration: Json, pixel: Json) -> Json:
@@ -105,6 +110,35 @@ def accepted(result: Json) -> Json:
 def _inputs(conductor: Conductor, case_id: str, image_id: str) -> ImageInputs:
     with conductor.parts.database.read() as connection:
         return ImageInputs(original_bytes(connection, image_id), devices_of(connection, case_id))
+
+
+def _before(conductor: Conductor, case_id: str, image_id: str, target: Mapping[str, Any]) -> Json:
+    """What a verification image is held against: the image of its target, and the arm's motion between the two."""
+    first_id = str(target["image_id"])
+    with conductor.parts.database.read() as connection:
+        poses = [exposure_pose(connection, one) for one in (first_id, image_id)]
+        return {
+            "image": original_bytes(connection, first_id),
+            "registration": registration_json(connection, str(target["registration_id"])),
+            "before_from_after": motion_between(*poses).tolist(),
+            "errors": _errors_of(conductor, devices_of(connection, case_id)),
+        }
+
+
+def _motion_errors(conductor: Conductor, case_id: str) -> Json:
+    with conductor.parts.database.read() as connection:
+        return _errors_of(conductor, devices_of(connection, case_id))
+
+
+def _errors_of(conductor: Conductor, devices: DeviceSet) -> Json:
+    """Standard deviations of the arm's poses, by the site, and of the TCP calibration, by its file (H03)."""
+    arm, tool = conductor.parts.settings.arm_accuracy, devices.tool
+    return {
+        "arm_sd_mm": arm.position_sd_mm,
+        "arm_sd_deg": arm.rotation_sd_deg,
+        "tcp_sd_mm": tool.calibration_sd_mm,
+        "tcp_sd_deg": math.degrees(tool.calibration_sd_rad),
+    }
 
 
 def _image(conductor: Conductor, image_id: str) -> bytes:

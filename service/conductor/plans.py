@@ -113,7 +113,7 @@ def _content(facts: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> dic
         "clearance_mm": path.clearance_mm,
         "clearance_needed_mm": path.needed_mm,
         "preview": _preview(path),
-        "predicted_error_95": None if goal.predicted_error_95 is None else dict(goal.predicted_error_95),
+        **goal.predicted,
     }
 
 

@@ -49,7 +49,7 @@ async def target_confirmed(body: ConfirmTarget, caller: Chooser, conductor: TheC
         return await asyncio.to_thread(_confirm, conductor, caller, Prepared(facts))
     depth_mm = body.depth_mm or conductor.parts.settings.limits.depth_mm
     registration = await asyncio.to_thread(_read_registration, conductor, echo, body.planned_target)
-    aimed = await aim(conductor, registration, echo.raw_px, depth_mm)
+    aimed = await aim(conductor, caller.case_id, registration, echo.raw_px, depth_mm)
     facts = TargetConfirmed(new_id(), echo.image_id, echo.registration_id, echo_seen=True)
     target = target_artefact(facts.target_id, echo.image_id, echo.registration_id, aimed, depth_mm, body.planned_target)
     detail = {"targeting": aimed, "depth_mm": depth_mm, "planned_target": body.planned_target}

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 from uuid import uuid4
 
+import numpy as np
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
+from robot.frames import Transform
 from service.database import tables
 from service.database.clock import now_utc
 from service.errors import ErrorCode, ServiceError
@@ -143,6 +145,14 @@ def purpose_of(connection: Connection, image_id: str) -> NewPurpose | None:
     if row is None:
         return None
     return NewPurpose(row.image_id, row.case_id, row.purpose, row.arm, tuple(row.verdicts))
+
+
+def exposure_pose(connection: Connection, image_id: str) -> Transform:
+    """`base_from_guide` as the arm held it during the exposure; ServiceError EXPOSURE_POSE_UNKNOWN."""
+    purpose = purpose_of(connection, image_id)
+    if purpose is None or "base_from_tcp" not in purpose.arm:
+        raise ServiceError(ErrorCode.EXPOSURE_POSE_UNKNOWN, "the arm's pose during the exposure is unknown")
+    return np.array(purpose.arm["base_from_tcp"], dtype=np.float64)
 
 
 def images_without_purpose(connection: Connection) -> list[str]:

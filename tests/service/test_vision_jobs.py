@@ -37,7 +37,7 @@ def test_bad_images_are_refused_with_a_code(ask, make_xray, device_files):
         ("register", make_xray(rows=1, columns=1), *devices),
         ("register", huge, *devices),
         ("register", make_xray(rows=256, columns=256), *devices),  # noise: an image without a guide
-        ("evaluate", b"no image", *devices, (1.0, 1.0), "raw", 80.0),
+        ("evaluate", b"no image", *devices, (1.0, 1.0), 80.0, {"image": b"none either"}),
     )
     assert _codes(answers)[4] == "image_too_large"
     assert all(answer["reason"]["message"] for answer in answers)

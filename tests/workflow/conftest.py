@@ -116,6 +116,9 @@ def good_facts(case: CaseState, trigger: Trigger, new_id: Any, kind: PlanKind = 
             position_error_mm=0.5 if trigger is Trigger.VERIFICATION_PASSED else 3.0,
             position_bound_mm=0.1,
             agree=True,
+            motion_chi_square=6.0,
+            anatomy_across_mm=0.1,
+            anatomy_along_mm=0.4,
         ),
         f.VerificationRefused: lambda: f.VerificationRefused(id_of(case.evaluated_image), "guide_cut_off"),
         f.CorrectionRequested: lambda: f.CorrectionRequested(

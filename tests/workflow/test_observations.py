@@ -173,6 +173,38 @@ def test_evaluations_that_disagree_verify_nothing_and_a_new_exposure_is_allowed(
     assert walk.do(Trigger.VERIFICATION_PASSED).after.state is State.VERIFIED
 
 
+def test_rings_that_move_otherwise_than_the_arm_void_the_view(walk):
+    """H03: whether the error would pass or not, and though the anatomy shifts with the C-arm."""
+    moved = {"motion_chi_square": 40.0, "anatomy_across_mm": 9.0}
+    decision = walk.to(State.MOVED).do(Trigger.VERIFICATION_PASSED, **moved)
+    assert decision.taken_as is Trigger.CARM_MOVED
+    assert (walk.case.state, walk.case.view, walk.case.registration) == (State.CASE_OPEN, None, None)
+    assert (walk.case.verification, walk.case.newest_image_id) == (None, None)
+
+
+def test_anatomy_that_shifted_voids_the_image_and_keeps_the_view(walk):
+    """H34: the C-arm stands, another image is taken from where it is."""
+    decision = walk.to(State.MOVED).do(Trigger.VERIFICATION_FAILED, anatomy_across_mm=1.0)
+    assert decision.taken_as is Trigger.PATIENT_MOVED
+    assert walk.case.state is State.CARM_POSITIONED
+    assert (walk.case.image, walk.case.target, walk.case.verification) == (None, None, None)
+
+
+@pytest.mark.parametrize("unknown", ["motion_chi_square", "anatomy_across_mm", "anatomy_along_mm"])
+def test_what_could_not_be_compared_verifies_nothing_and_voids_nothing(walk, unknown):
+    decision = walk.to(State.MOVED).do(Trigger.VERIFICATION_PASSED, **{unknown: None})
+    assert decision.taken_as is Trigger.VERIFICATION_REFUSED
+    assert (walk.case.state, walk.case.verification) == (State.MOVED, None)
+    assert walk.case.registration is not None
+
+
+def test_a_comparison_that_finishes_in_safe_hold_voids_there_with_an_alarm(walk):
+    walk.to(State.MOVED).do(Trigger.STOP)
+    decision = walk.do(Trigger.VERIFICATION_PASSED, motion_chi_square=40.0)
+    assert (decision.taken_as, decision.effects) == (Trigger.CARM_MOVED, (Effect.ALARM,))
+    assert (walk.case.state, walk.case.view) == (State.SAFE_HOLD, None)
+
+
 @pytest.mark.parametrize(
     "far", [{"distance_mm": 0.11}, {"distance_mm": None}, {"angle_rad": 0.001}, {"angle_rad": float("nan")}]
 )

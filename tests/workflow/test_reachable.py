@@ -47,6 +47,9 @@ def variants(case: CaseState, trigger: Trigger, good: f.Facts) -> Iterator[f.Fac
             yield replace(good, quality=replace(good.quality, handedness_proved=False))
         case f.Evaluated():
             yield replace(good, agree=False)
+            yield replace(good, motion_chi_square=18.6)
+            yield replace(good, anatomy_across_mm=0.6)
+            yield replace(good, anatomy_along_mm=None)
         case f.TargetDone():
             yield f.TargetDone(placed=False, reason="abandoned")
 
