@@ -68,9 +68,10 @@ def evaluate(
     (`before_from_after`) and the standard deviations of that (`errors`).
     """
     decoded, first = decode(image), decode(before["image"])
-    for one in (decoded, first):
-        if isinstance(one, Refusal):
-            return refusal_to_json(one)
+    if isinstance(decoded, Refusal):
+        return refusal_to_json(decoded)
+    if isinstance(first, Refusal):
+        return refusal_to_json(first)
     result = evaluate_image(decoded, read_guide(guide), read_carm(carm), raw_px, PixelSpace.RAW, depth_mm)
     if isinstance(result, Refusal):
         return refusal_to_json(result)

@@ -39,7 +39,8 @@ def move_approved(
         }
         columns = {"approved_by": caller.session.user_id}
         permit = NewArtefact(ArtefactKind.PERMIT, facts.permit_id, made_from, content, columns)
-        return Prepared(facts, (permit,), {"permit": facts.permit_id}, {"plan_id": body.plan_id}, content)
+        data = {"plan_id": body.plan_id, "detectable_motion": content["detectable_motion"]}
+        return Prepared(facts, (permit,), {"permit": facts.permit_id}, data, content)
 
     return conductor.perform(caller, Trigger.MOVE_APPROVED, prepare)
 

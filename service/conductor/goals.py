@@ -25,7 +25,6 @@ from workflow.verdicts import Verdict
 
 _H12 = frozenset({RefusalCode.KEEP_OUT, RefusalCode.PATH_TOO_LONG})
 
-
 _PREDICTED = ("predicted_error_95", "detectable_motion")  # of a target; other motions predict neither
 
 
