@@ -13,6 +13,9 @@ class RoomFault(StrEnum):
     NO_PLATE = "no_plate"
     HALF_SCALE = "half_scale"  # the image is stored with half its rows and columns
     CARM_TURNED = "carm_turned"  # by 1 deg, dials unchanged
+    CARM_SHIFTED = "carm_shifted"  # along the table by 8 mm: somebody leant on it
+    BASE_PUSHED = "base_pushed"  # the arm's cart, by 8 mm; no encoder sees it
+    GUIDE_SCALED = "guide_scaled"  # another size of guide is mounted, 3 % larger throughout
     TRUNCATED_ASSOCIATION = "truncated_association"  # the network breaks in the middle of an image
     ANATOMY_SHIFT = "anatomy_shift"  # the patient lies 1 mm further to the left
     LOW_DOSE = "low_dose"
@@ -20,6 +23,8 @@ class RoomFault(StrEnum):
 
 
 CARM_TURN_DEG = 1.0
+CARM_SHIFT_MM = BASE_PUSH_MM = 8.0
+GUIDE_SCALE = 1.03
 ANATOMY_SHIFT_MM = 1.0
 LOW_DOSE_SHARE = 0.02
 FOREIGN_PATIENT_ID, FOREIGN_PATIENT_NAME = "ELSE-0007", "Somebody^Else"

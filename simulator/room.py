@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from simulator.breathing import breathing_shift
+from simulator.breathing import breathing_shift, until_expiration_s
 from simulator.by_eye import guide_in_beam, led_by_hand
 from simulator.carm.geometry import Angles, angles_of
 from simulator.carm.guide import GuideShape, Part
@@ -19,7 +19,15 @@ from simulator.cart import Cart
 from simulator.controller import ControllerControl, ControllerState
 from simulator.ct.patient import patient_of
 from simulator.devices import INTENSIFIER_FILE, read_mounting, read_nominal_carm, read_shape
-from simulator.faults import ANATOMY_SHIFT_MM, CARM_TURN_DEG, LOW_DOSE_SHARE, RoomFault
+from simulator.faults import (
+    ANATOMY_SHIFT_MM,
+    BASE_PUSH_MM,
+    CARM_SHIFT_MM,
+    CARM_TURN_DEG,
+    GUIDE_SCALE,
+    LOW_DOSE_SHARE,
+    RoomFault,
+)
 from simulator.frames import inverse
 from simulator.patient import Patient, build_patient
 from simulator.pedicle import Pedicle
@@ -65,7 +73,9 @@ class Room:
     def stand(self) -> Stand:
         """The C-arm as it stands, a fault included."""
         turned_deg = CARM_TURN_DEG if RoomFault.CARM_TURNED in self.faults else 0.0
-        return replace(self._stand, turned_rad=float(np.deg2rad(turned_deg)))
+        shift_mm = CARM_SHIFT_MM if RoomFault.CARM_SHIFTED in self.faults else 0.0
+        isocentre = self._stand.isocentre_in_room + np.array([shift_mm, 0.0, 0.0])
+        return replace(self._stand, turned_rad=float(np.deg2rad(turned_deg)), isocentre_in_room=isocentre)
 
     @property
     def dose_share(self) -> float:
@@ -77,6 +87,10 @@ class Room:
         with self._lock:
             pedicle = self._fitting(angles) if centred_on is None else self.pedicle(centred_on)
             self._stand = self._stood(angles, pedicle)
+
+    def until_expiration_s(self) -> float:
+        """How long somebody waits who exposes with the patient's breath at rest."""
+        return until_expiration_s(self.truth.patient, self._now_s())
 
     def scene(self) -> Scene:
         """What an exposure would see now."""
@@ -105,7 +119,7 @@ class Room:
         with self._lock:
             aim = guide_in_beam(self.stand.room_from_source()[:3, 3], self._target_in_room(name))
             reached = led_by_hand(aim, self.truth.hand, self._rng)
-            return inverse(self._cart.room_from_base(self.controller.state())) @ reached
+            return inverse(self._room_from_base(self.controller.state())) @ reached
 
     def errors(self, name: str) -> GuideErrors:
         """The guide against the true ray through a true target, at the patient's mean breath."""
@@ -143,12 +157,19 @@ class Room:
         return max(self.patient.pedicles.values(), key=along)
 
     def _shape(self) -> GuideShape:
-        shape = self.planted.shape
+        scale = GUIDE_SCALE if RoomFault.GUIDE_SCALED in self.faults else 1.0
+        shape = self.planted.shape.scaled(scale)
         return replace(shape, parts=shape.parts - {Part.BEAD}) if RoomFault.NO_BEAD in self.faults else shape
 
     def _room_from_guide(self, arm: ControllerState) -> Array:
         """Where the guide truly is: true base, true kinematics, true calibration."""
-        pose: Array = self._cart.room_from_base(arm) @ arm.base_from_flange_true @ self.planted.flange_from_guide
+        pose: Array = self._room_from_base(arm) @ arm.base_from_flange_true @ self.planted.flange_from_guide
+        return pose
+
+    def _room_from_base(self, arm: ControllerState) -> Array:
+        pose = self._cart.room_from_base(arm)
+        if RoomFault.BASE_PUSHED in self.faults:
+            pose[0, 3] += BASE_PUSH_MM
         return pose
 
     def _room_from_patient(self, breath_at_s: float | None) -> Array:

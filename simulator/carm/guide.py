@@ -44,6 +44,23 @@ class GuideShape:
     big_centre_mm: tuple[float, float] = (0.0, 0.0)
     parts: frozenset[Part] = ALL_PARTS
 
+    def scaled(self, factor: float) -> "GuideShape":
+        """Another size of the same guide, its wires and bead too."""
+        x, y, z = self.bead_mm
+        u, v = self.big_centre_mm
+        return GuideShape(
+            small_radius_mm=factor * self.small_radius_mm,
+            big_radius_mm=factor * self.big_radius_mm,
+            separation_mm=factor * self.separation_mm,
+            line_start_mm=factor * self.line_start_mm,
+            line_end_mm=factor * self.line_end_mm,
+            wire_diameter_mm=factor * self.wire_diameter_mm,
+            bead_mm=(factor * x, factor * y, factor * z),
+            bead_diameter_mm=factor * self.bead_diameter_mm,
+            big_centre_mm=(factor * u, factor * v),
+            parts=self.parts,
+        )
+
     def metal_outline(self) -> tuple[tuple[Array, float], ...]:
         """Points (n, 3) along every wire and at the bead, with its diameter: where to look closely at an image."""
         turn = np.linspace(0.0, 2.0 * np.pi, 181)

@@ -52,8 +52,11 @@ class Door:
         self._post("/carm/position", {"primary_deg": primary_deg, "secondary_deg": secondary_deg, "pedicle": pedicle})
 
     def expose(self) -> None:
-        """Press the pedal: the image goes out by DICOM; DemoFailed if the receiver does not take it."""
-        sent = self._post("/expose", {})
+        """Press the pedal: the image goes out by DICOM; DemoFailed if the receiver does not take it.
+
+        The patient has breathed out, for two images of one who did not move must not differ by the breath.
+        """
+        sent = self._post("/expose", {"at_expiration": True})
         if not sent["accepted"]:
             raise DemoFailed("image_not_accepted", f"status {sent['status']}: {sent['detail']}")
 

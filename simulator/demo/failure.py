@@ -15,6 +15,10 @@ class DemoFailed(Exception):  # noqa: N818  it names what happened, as the line 
         self.code = code
 
 
+class SeenToMoveError(DemoFailed):
+    """An image after a motion shows that C-arm, base or patient moved: what was registered is void."""
+
+
 def failed_motion(kind: str, ended: HoldEnded) -> DemoFailed:
     """A motion that did not arrive."""
     if ended.problem is not None:

@@ -1,7 +1,7 @@
 """The radiographer's part: the C-arm turned and confirmed, exposures requested and made."""
 
 from service.client import Case
-from simulator.demo.failure import DemoFailed, measured
+from simulator.demo.failure import DemoFailed, SeenToMoveError, measured
 from simulator.demo.patience import HELD, leave_hold, patiently
 from simulator.demo.team import Team
 from simulator.demo.watching import Json, await_event, why
@@ -9,7 +9,8 @@ from simulator.demo.watching import Json, await_event, why
 _RESULT_WITHIN_S = 120.0  # the service has a deadline of its own
 _TAKES = 2  # exposures for one result
 _REGISTRATION = ("registration_completed", "registration_refused")
-_VERIFICATION = ("verification_passed", "verification_failed", "verification_refused")
+_MOVED = ("carm_moved", "patient_moved")
+_VERIFICATION = ("verification_passed", "verification_failed", "verification_refused", *_MOVED)
 
 
 def turn_carm(team: Team, pedicle: str) -> None:
@@ -22,6 +23,12 @@ def turn_carm(team: Team, pedicle: str) -> None:
         team.door.position_carm(primary_deg, secondary_deg, pedicle)
     patiently(team, lambda: _confirm_position(operator))
     team.teller.tell(f"C-arm at {primary_deg:.1f} / {secondary_deg:.1f} deg: {angles['words']}")
+
+
+def stand_again(team: Team) -> None:
+    """The C-arm stands as it is now."""
+    if team.operator.status()["state"] == "case_open":
+        patiently(team, lambda: _confirm_position(team.operator))
 
 
 def _confirm_position(operator: Case) -> None:
@@ -42,8 +49,11 @@ def take_registration(team: Team) -> Json:
 
 
 def take_verification(team: Team) -> Json:
-    """An exposure after a motion, and its evaluation: the event with both figures; DemoFailed."""
-    return _usable(team, _VERIFICATION, "moved")
+    """An exposure after a motion, and its evaluation: the event with both figures; SeenToMoveError, DemoFailed."""
+    event = _usable(team, _VERIFICATION, "moved")
+    if event["trigger"] in _MOVED:
+        raise SeenToMoveError(event["trigger"], why(team.surgeon, event["data"]["told_as"]))
+    return event
 
 
 def _usable(team: Team, wanted: tuple[str, ...], refused_in: str) -> Json:

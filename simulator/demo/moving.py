@@ -39,11 +39,21 @@ def _hold(team: Team, kind: str, goal: dict[str, Any]) -> tuple[Moved, HoldEnded
     plan = team.surgeon.plan(kind, **goal)
     detail = plan["detail"]
     what = f"{kind}: {detail['length_mm']:.1f} mm, {detail['rotation_deg']:.2f} deg"
+    _tell_detectable(team, detail["detectable_motion"])
     with team.teller.doing(f"{what}, held"), team.surgeon.hold(team.surgeon.approve(plan, team.pin)) as hold:
         ended = hold.wait(_LONGEST_S)
     if ended.cause == _ARRIVED:
         team.teller.tell(f"{what}, held for {detail['duration_s']:.1f} s, arrived")
     return Moved(kind, detail["length_mm"], detail["rotation_deg"]), ended
+
+
+def _tell_detectable(team: Team, detectable: dict[str, float] | None) -> None:
+    """What the surgeon is told before the approval: what the next image will show, and what it may not."""
+    if detectable is not None:
+        team.teller.tell(
+            f"a C-arm or base that moves meanwhile is seen from {detectable['rotation_deg']:.2f} deg, "
+            f"{detectable['across_mm']:.1f} mm across, {detectable['along_mm']:.1f} mm along the beam"
+        )
 
 
 def _rest_of(goal: dict[str, Any], ended: HoldEnded) -> dict[str, Any]:

@@ -18,6 +18,9 @@ from simulator.devices import DEVICE_FILES
 
 _UP_WITHIN_S = 60.0
 _VISION_DEADLINE_S = 60.0  # service and room share one machine here, and its cores with whatever else runs
+# Nobody calibrated the room's arm, so that this is what the site knows of it: the accuracy of its nominal kinematics.
+# A cart that rolls by less than the two-image check then sees is what the correction is for.
+_ARM_SD_MM, _ARM_SD_DEG = 0.5, 0.05
 _LOOK_EVERY_S = 0.05
 
 
@@ -75,6 +78,9 @@ class _Plan:
             f"port = {self.dicom_port}",
             "[vision]",
             f"deadline_s = {_VISION_DEADLINE_S}",
+            "[arm_accuracy]",
+            f"position_sd_mm = {_ARM_SD_MM}",
+            f"rotation_sd_deg = {_ARM_SD_DEG}",
         )
         self.settings.write_text("\n".join(lines) + "\n")
 

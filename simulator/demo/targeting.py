@@ -3,8 +3,8 @@
 import numpy as np
 
 from simulator.demo.door_client import Door
-from simulator.demo.failure import DemoFailed
-from simulator.demo.imaging import take_registration, take_verification, turn_carm
+from simulator.demo.failure import DemoFailed, SeenToMoveError
+from simulator.demo.imaging import stand_again, take_registration, take_verification, turn_carm
 from simulator.demo.legs import legs
 from simulator.demo.moving import move
 from simulator.demo.patience import patiently
@@ -14,6 +14,7 @@ from simulator.demo.watching import Json
 
 _ECHO_WITHIN_PX = 0.5  # H08
 _CORRECTIONS = 3
+_REGISTRATIONS = 3  # for one target
 _CLEARANCE_MM = 60.0  # along the guide's axis, before the C-arm turns
 
 
@@ -21,8 +22,7 @@ def place_sleeve(team: Team, pedicle: str) -> TargetResult:
     """The whole procedure for one planned pedicle; DemoFailed or Refused where it does not go on."""
     started_s, images = team.teller.elapsed_s(), int(team.operator.status()["images"])
     _bring_guide_in(team, pedicle)
-    _choose_target(team, pedicle)
-    moved, verified = _aim(team, pedicle)
+    moved, verified = _bring_onto_target(team, pedicle)
     _insert(team)
     move(team, "retreat", distance_mm=_CLEARANCE_MM)
     exposures = int(team.operator.status()["images"]) - images
@@ -36,6 +36,22 @@ def _bring_guide_in(team: Team, pedicle: str) -> None:
     start = np.array(team.surgeon.status()["arm"]["base_from_tcp"])
     for goal in legs(start, team.door.approach_to(pedicle)):
         move(team, "approach", base_from_goal=goal)
+
+
+def _bring_onto_target(team: Team, pedicle: str) -> tuple[tuple[Moved, ...], tuple[Verified, ...]]:
+    """Register, choose, move, verify; all of it anew where the verification's image shows that something moved."""
+    for _ in range(_REGISTRATIONS - 1):
+        try:
+            return _registered_and_aimed(team, pedicle)
+        except SeenToMoveError as seen:
+            team.teller.tell(f"registered anew: {seen}")
+            stand_again(team)
+    return _registered_and_aimed(team, pedicle)
+
+
+def _registered_and_aimed(team: Team, pedicle: str) -> tuple[tuple[Moved, ...], tuple[Verified, ...]]:
+    _choose_target(team, pedicle)
+    return _aim(team, pedicle)
 
 
 def _choose_target(team: Team, pedicle: str) -> None:

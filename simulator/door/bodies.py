@@ -31,7 +31,9 @@ class Study(Body):
 
 
 class Override(Body):
-    """What is wrong or different for one image."""
+    """What is wrong or different for one image; `at_expiration` waits until the patient has breathed out."""
+
+    at_expiration: bool = False
 
     patient_id: Annotated[str, Field(min_length=1, max_length=64)] | None = None
     study_uid: Annotated[str, Field(pattern=r"^[0-9.]{1,64}$")] | None = None

@@ -1,5 +1,6 @@
 """The radiographer's hands: worklist, position, pedal."""
 
+import time
 from dataclasses import replace
 from typing import Any
 
@@ -34,7 +35,10 @@ def router(room: Room, pedal: Pedal) -> APIRouter:
     @routes.post("/expose")
     def expose(body: Override | None = None) -> Json:
         """Take an image and send it, under the worklist's entry or, for this one image, under what the body says."""
-        override = {} if body is None else body.model_dump(exclude_none=True)
+        body = body or Override()
+        if body.at_expiration:
+            time.sleep(room.until_expiration_s())
+        override = body.model_dump(exclude_none=True, exclude={"at_expiration"})
         taken, sent = pedal.press(replace(pedal.worklist, **override))
         return {
             "sop_uid": str(taken.dataset.SOPInstanceUID),

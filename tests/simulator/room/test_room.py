@@ -123,6 +123,39 @@ def test_turned_carm_keeps_its_dials(room: Room) -> None:
     assert np.array_equal(room.stand.room_from_source(), before.room_from_source())
 
 
+def test_who_exposes_at_expiration_sees_the_patient_at_one_place(arm) -> None:
+    places = []
+    for start_s in (0.3, 1.9, 4.1, 100.0):
+        wait_s = Room(arm, read_truth(), now_s=lambda t=start_s: t).until_expiration_s()
+        assert 0.0 <= wait_s < 4.2
+        scene = Room(arm, read_truth(), now_s=lambda t=start_s + wait_s: t).scene()
+        places.append(scene.source_from_patient[:3, 3])
+    assert np.ptp(places, axis=0).max() < 1e-9
+
+
+def test_a_shifted_carm_and_a_pushed_base_displace_the_guide_in_the_image_by_as_much(
+    room: Room, aligned: Callable
+) -> None:
+    _face(room, _NAME)
+    aligned(_NAME)
+    before = room.scene().guides[0].source_from_guide
+    for fault in (RoomFault.CARM_SHIFTED, RoomFault.BASE_PUSHED):
+        room.inject(fault)
+        moved = room.scene().guides[0].source_from_guide
+        assert np.linalg.norm(moved[:3, 3] - before[:3, 3]) == pytest.approx(8.0)
+        np.testing.assert_allclose(moved[:3, :3], before[:3, :3], atol=1e-12)
+        room.clear(fault)
+
+
+def test_a_scaled_guide_is_larger_throughout(room: Room) -> None:
+    shape = room.scene().guides[0].shape
+    room.inject(RoomFault.GUIDE_SCALED)
+    larger = room.scene().guides[0].shape
+    assert larger.big_radius_mm == pytest.approx(1.03 * shape.big_radius_mm)
+    assert larger.bead_mm == pytest.approx([1.03 * one for one in shape.bead_mm])
+    assert larger.wire_diameter_mm == pytest.approx(1.03 * shape.wire_diameter_mm)
+
+
 def test_shifted_anatomy_moves_target_and_image_by_a_millimetre(room: Room, aligned: Callable) -> None:
     _face(room, _NAME)
     aligned(_NAME)
