@@ -1,8 +1,8 @@
 """Whether the patient moved between two images (H34): the shift of the anatomy about the target, without the metal.
 
-Both images are laid on one corrected grid about the target. Wires, bead and balls are masked: the first move with the
-guide, the last never. A housing is not in the guide's file; robust weights leave out what does not move as the rest
-does, which a correlation by FFT or ECC could not.
+Both images are laid on one corrected grid about the target. The guide with its housing and the plate's balls are
+masked: the first moves with the arm, the others never, and neither says anything of the patient. Robust weights leave
+out what else does not move as the rest does (an instrument, a hand), which a correlation by FFT or ECC could not.
 """
 
 from dataclasses import dataclass
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from vision.alignment import target_in_source
 from vision.common_grid import Similarity, similarity_between
 from vision.corrected_image import CorrectedImage
+from vision.devices import Guide
 from vision.projection import View, project
 from vision.registered import Registration
 from vision.wire_model import sample_wires
@@ -21,10 +22,11 @@ from vision.wire_model import sample_wires
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
 
-_REACH_MM = 60.0  # about the target: its vertebra and the neighbours', twice the area that a guide covers
+_REACH_MM = 70.0  # about the target: its vertebra and the neighbours', three times the area that a guide covers
 _STEP_MM = 0.6  # of the grid, at the target's depth
 _SMOOTHED_MM = (3.2, 1.6, 0.8)  # coarse to fine; the first catches shifts of some 5 mm
 _GROUND_MM = 9.0  # what changes more slowly is scatter and veiling glare, not bone
+_HOUSING_RADIUS, _HOUSING_BEYOND_MM = 1.4, 8.0  # of the big ring; over both rings along the axis
 _MARGIN_MM = 1.2  # around metal: blur, and the error of where it is
 _NEIGHBOURS = 4.0 * np.pi * (_SMOOTHED_MM[-1] / _STEP_MM) ** 2  # pixels of one independent value, once smoothed
 _ROUNDS = 12
@@ -144,16 +146,30 @@ def _laid(exposed: Exposed, field: _Field, onto_before: Similarity | None) -> tu
 
 
 def _hidden(exposed: Exposed, field: _Field, onto_before: Similarity | None) -> NDArray[np.bool_]:
-    """Where metal is, with a margin."""
+    """Where the guide and metal are, with a margin."""
     hidden = np.zeros(field.before_px.shape[:2], dtype=np.uint8)
     view = exposed.registration.view()
     per_mm = view.intrinsics.alpha_x_px / field.distance_mm
+
+    def on_grid(places: Array) -> NDArray[np.int32]:
+        moved = places if onto_before is None else onto_before.applied(places)
+        return np.asarray(np.rint((moved - field.before_px[0, 0]) / (per_mm * _STEP_MM)), dtype=np.int32)
+
     for places, radius_px in _metal(exposed, view):
-        on_grid = places if onto_before is None else onto_before.applied(places)
         radius = round((radius_px / per_mm + _MARGIN_MM) / _STEP_MM)
-        for u, v in np.rint((on_grid - field.before_px[0, 0]) / (per_mm * _STEP_MM)).astype(int).tolist():
+        for u, v in on_grid(places).tolist():
             cv2.circle(hidden, (u, v), radius, (1,), cv2.FILLED)
+    cv2.fillConvexPoly(hidden, cv2.convexHull(on_grid(_housing(exposed.registration.guide, view))), (1,))
     return hidden > 0
+
+
+def _housing(guide: Guide, view: View) -> Array:
+    """Corrected pixels (n, 2) of the rims of a tube that holds the guide's housing, which its file does not tell."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
+    radius = _HOUSING_RADIUS * guide.big_ring_radius_mm
+    ends = (_HOUSING_BEYOND_MM, -guide.separation_mm - _HOUSING_BEYOND_MM)
+    rims = [np.column_stack((radius * np.cos(turn), radius * np.sin(turn), np.full(64, z))) for z in ends]
+    return project(view, np.vstack(rims))
 
 
 def _metal(exposed: Exposed, view: View) -> list[tuple[Array, float]]:
