@@ -9,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests audit-bench bench samples scenes faulted side-by-side format docs lock
+.PHONY: help demo run test check tests audit-bench bench samples scenes two-images faulted side-by-side format docs lock
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -44,6 +44,9 @@ samples: $(VENV)/.runtime  ## register, flip and turn the images of SAMPLES=fold
 
 scenes: $(VENV)/.runtime  ## register random rendered scenes against their truth; COUNT=12 of each group
 	$(BIN)/python benchmarks/scenes.py --count $(or $(COUNT),12)
+
+two-images: $(VENV)/.runtime  ## what the two-image checks see and falsely see; CASES=1000 simulated, PAIRS=20 rendered
+	$(BIN)/python benchmarks/two_images.py --cases $(or $(CASES),1000) --pairs $(or $(PAIRS),20)
 
 faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong each, PROCESSES=2; results kept in FOLDER
 	$(BIN)/python benchmarks/faulted.py --count $(or $(COUNT),1000) --processes $(or $(PROCESSES),2) \
