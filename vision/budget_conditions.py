@@ -21,11 +21,11 @@ Array = NDArray[np.float64]
 _TILT_RAD = math.radians(10.0)
 _DISTANCE_SHARE = 0.75  # of the source-to-image distance: small ring from the source
 _SIDE_PX = 1024
-_NOISE_PX = 0.1
+_NOISE_PX = 0.05
 _DEGREE = 6
 _BALLS_RMS_PX = 0.09
-NOISE_CORRELATION = 3.0  # 1 + 2 (0.52 + 0.31 + 0.13): variance of a mean of ridge points, a pixel apart (method.md)
-SEEN_SHARE = 0.8  # of the wires: the rest lies under balls and crossings
+NOISE_CORRELATION = 1.5  # variance of a mean of neighbouring pieces against that of independent ones, as measured
+PIECE_PX = 4.0  # length of the pieces along the wires that the noise is told of (bands.py)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,7 +37,7 @@ class Conditions:
     view : View
         Before the move.
     noise_px : float
-        Standard deviation of one ridge point.
+        Standard deviation of one piece of a wire across it.
     pixel_corrected : Array
         (2,), the target.
     depth_mm, depth_sd_mm : float
@@ -58,8 +58,8 @@ class Conditions:
 
     @property
     def point_sd_px(self) -> float:
-        """What one of the ridge points, a pixel apart all along the wires, is worth alone."""
-        return self.noise_px * math.sqrt(NOISE_CORRELATION / SEEN_SHARE)
+        """What one pixel of a wire's length is worth alone."""
+        return self.noise_px * math.sqrt(NOISE_CORRELATION * PIECE_PX)
 
     def fit(self) -> IdealFit:
         """The estimator, its priors centred on the view."""

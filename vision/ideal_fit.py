@@ -1,6 +1,6 @@
 """The registration as a linear estimator: what each error in the image and in the files does to the view.
 
-It is the best linear one: ridge points and the distortion map's error by their covariance, the files as priors.
+It is the best linear one: places on the wires and the distortion map's error by their covariance, the files as priors.
 """
 
 from dataclasses import dataclass
@@ -52,7 +52,7 @@ class IdealFit:
 
     @classmethod
     def of(cls, view: View, guide: Guide, priors: Priors, plate: PlateFit, noise_px: float) -> "IdealFit":
-        """Of a view and a guide; `noise_px` is what one ridge point is worth, one for each pixel along the wires."""
+        """Of a view and a guide; `noise_px` is what one pixel of a wire's length is worth."""
         samples = sample_wires(view, guide)
         basis = plate.map.basis(plate.map.raw_from_corrected(samples.points))
         bend = samples.normals[:, :, None] * basis[:, None, :]

@@ -10,6 +10,7 @@ from scipy.interpolate import RectBivariateSpline
 from vision.absorption import absorption
 from vision.alignment import check_depth, goal, target_in_source
 from vision.contour import ContourFit
+from vision.corrected_image import CorrectedImage
 from vision.detection import RingCandidate
 from vision.devices import CArm, Guide
 from vision.distortion import DistortionMap, FittedBalls
@@ -137,7 +138,7 @@ def inspect(
     """
     corrected, search, result = findings.corrected, findings.search, findings.result
     return Inspection(
-        pixels=image.pixels if corrected is None else _on_corrected_grid(image.pixels, corrected.plate.map),
+        pixels=image.pixels if corrected is None else _on_corrected_grid(image.pixels, _map(result, corrected)),
         result=result,
         spots=_spots(image, carm) if corrected is None else np.zeros((0, 2)),
         balls=None if corrected is None else corrected.plate.balls,
@@ -151,6 +152,11 @@ def _spots(image: XrayImage, carm: CArm) -> Array:
     if carm.plate is None:
         return np.zeros((0, 2))
     return ball_spots(absorption(image), carm.plate, carm.field_of_view_mm / max(image.rows, image.columns))
+
+
+def _map(result: Registration | Refusal, corrected: CorrectedImage) -> DistortionMap:
+    """The registration's, which the wires have a part in; of a refused image the plate's alone."""
+    return result.distortion if isinstance(result, Registration) else corrected.plate.map
 
 
 def _on_corrected_grid(pixels: NDArray[np.float32], distortion: DistortionMap) -> NDArray[np.float32]:

@@ -75,7 +75,7 @@ def bead_places(found: FoundView) -> Array:
 
 
 def draw_residuals(panel: Panel, found: FoundView) -> None:
-    """An arrow at each ridge point, exaggerated; those without weight in red; the ends of the line as measured."""
+    """An arrow at each place measured, exaggerated; those without weight in red; the ends of the line as measured."""
     residuals = found.residuals
     if residuals is None:
         return

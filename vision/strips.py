@@ -19,7 +19,7 @@ _REACH_PX = 0.35  # corrected px from the middle of a strip to its edge
 _MARGIN = 160  # left of the strip, for its name
 _LEVEL_PX = 0.2  # of the lines that show the scale
 _GAP = 4.0  # median distances of neighbours: beyond it something crosses the wire
-_RUNNING = 15  # neighbours in the running mean: the noise of single points averages out, waves stay
+_RUNNING = 5  # neighbours in the running mean: the noise of single pieces averages out, waves stay
 
 
 def draw_strips(residuals: WireResiduals, colours: dict[Wire, Colour], width: int, height: int) -> Picture:
@@ -43,7 +43,7 @@ def _strip(residuals: WireResiduals, wire: Wire, colour: Colour, width: int, hei
         words = f"{place:.0f} mm" if wire is Wire.LINE else f"{math.degrees(place):.0f} deg"
         write(picture, words, (min(column + 4, width - 60), height - 6), _TEXT, 0.4)
     rows, kept = _rows(residual, height), weight > 0.0
-    _dots(picture, columns[kept], rows[kept], colour, 1)
+    _dots(picture, columns[kept], rows[kept], colour, 2)
     _dots(picture, columns[~kept], rows[~kept], _REJECTED, 2)
     for mean in _means(columns[kept], rows[kept]):
         cv2.polylines(picture, [np.rint(mean * 16.0).astype(np.int32)], False, _MEAN, 2, cv2.LINE_AA, 4)
