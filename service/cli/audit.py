@@ -68,8 +68,6 @@ def list_entries(
     data_folder: DataFolderOption = None,
 ) -> None:
     """Print entries, oldest first: CSV for reading, JSON Lines for every entry whole. This is an entry itself."""
-    from itertools import islice
-
     from service.audit import record_reading
     from service.database.clock import as_utc
     from service.database.current import current_database
@@ -80,8 +78,8 @@ def list_entries(
     wanted = Wanted(case, actor, action, interlock, hazard, *times)
     with _settings(config, data_folder) as settings, current_database(settings) as database:
         record_reading(database, None, "audit list", {"after": after, "limit": limit})
-        for line in islice(export(database, wanted, ExportFormat(form), after), None if limit == 0 else limit):
-            typer.echo(line, nl=False)
+        for text in export(database, wanted, ExportFormat(form), after, limit or None):
+            typer.echo(text, nl=False)
 
 
 @audit.command()
@@ -130,7 +128,8 @@ def _tell(found: "Verification", took_s: float) -> None:
         typer.echo(f"{finding.where}: {finding.what}")
     if len(found.findings) > _SHOWN:
         typer.echo(f"and {len(found.findings) - _SHOWN} more")
-    looked_at = f"{found.entries} entries, {found.rows} rows, {found.checkpoints} checkpoints"
+    entries = f"{found.entries} entries, anchored up to {found.anchored}"
+    looked_at = f"{entries}; {found.rows} rows, {found.checkpoints} checkpoints"
     rate = f"{took_s:.1f} s, {found.entries / max(took_s, 1e-3):.0f} entries a second"
     typer.echo(f"{looked_at} in {rate}: {len(found.findings) or 'nothing'} found")
 

@@ -41,19 +41,25 @@ class ExportFormat(StrEnum):
 MEDIA_TYPES = {ExportFormat.JSONL: "application/x-ndjson", ExportFormat.CSV: "text/csv"}
 
 
-def export(database: Database, wanted: Wanted, form: ExportFormat, after: int = 0) -> Iterator[str]:
-    """Every entry that is wanted, one text a line; read in pages, so that no view of the database is held open."""
+def export(
+    database: Database, wanted: Wanted, form: ExportFormat, after: int = 0, limit: int | None = None
+) -> Iterator[str]:
+    """Every entry that is wanted, a line each; read in pages, so that no view of the database is held open."""
     if form is ExportFormat.CSV:
         yield _csv_line(_COLUMNS)
-    write = _WRITERS[form]
-    while entries := _page(database, wanted, after):
-        yield "".join(map(write, entries))
-        after = entries[-1]["sequence"]
+    for entries in _pages(database, wanted, after, limit):
+        yield "".join(map(_WRITERS[form], entries))
 
 
-def _page(database: Database, wanted: Wanted, after: int) -> list[dict[str, Any]]:
-    with database.read() as connection:
-        return page(connection, wanted, after, _A_TIME)
+def _pages(database: Database, wanted: Wanted, after: int, limit: int | None) -> Iterator[list[dict[str, Any]]]:
+    left = limit
+    while left is None or left > 0:
+        with database.read() as connection:
+            entries = page(connection, wanted, after, _A_TIME if left is None else min(left, _A_TIME))
+        if not entries:
+            return
+        yield entries
+        after, left = entries[-1]["sequence"], None if left is None else left - len(entries)
 
 
 def _json_line(entry: dict[str, Any]) -> str:

@@ -21,6 +21,7 @@ class Verification:
     vouched: Counter[str] = field(default_factory=Counter)  # rows by table that an entry vouches for
     closings: list[int] = field(default_factory=list)  # entries that close a case
     checkpoints: int = 0
+    anchored: int = 0  # the entry that the anchor names; what is newer is not anchored yet
 
     @property
     def rows(self) -> int:

@@ -58,7 +58,7 @@ class CheckpointSender:
         ):
             for message in messages:
                 secured.sendall(b"%d %s" % (len(message), message))
-            secured.unwrap()  # the receiver answers the closing only after all that came before it
+            secured.unwrap()  # RFC 5425, 4.4: the receiver answers the closing, after all that came before it
 
     def _sent(self) -> int:
         return int(self._sent_file.read_text()) if self._sent_file.exists() else 0

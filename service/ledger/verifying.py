@@ -43,6 +43,7 @@ def verify(
         if isinstance(anchored, Finding):
             verification.findings.append(anchored)
         else:
+            verification.anchored = anchored.sequence
             check_anchor(connection, verification, anchored)
 
     return read_all(database, check)
