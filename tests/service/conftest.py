@@ -1,7 +1,11 @@
 """Real components: SQLite on disk, the whole service behind a real socket; only password hashing is made cheap."""
 
 import asyncio
+import os
 import shutil
+import socket
+import subprocess
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -27,6 +31,7 @@ from service.parts import Parts
 from service.serving import server_config
 from service.settings import DicomSettings, HttpSettings, Settings
 
+_PROGRAMS = sorted(Path("/usr/lib/postgresql").glob("*/bin/initdb"))
 PASSWORD, PIN = "correct horse", "2468"
 CHEAP_HASHER = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
 
@@ -183,3 +188,30 @@ above_mm = 2.0
 holder_radius_mm = 25.0
 """
 _ROOM = (_DEVICES / "room.toml").read_text()
+
+
+def _free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        return probe.getsockname()[1]
+
+
+@pytest.fixture(scope="session")
+def postgresql_address() -> Iterator[str]:
+    """An empty server; it refuses to run as root, and then needs its data where its own user can go."""
+    if not _PROGRAMS:
+        pytest.skip("needs a server: apt-get install postgresql")
+    programs, folder, port = _PROGRAMS[-1].parent, Path(tempfile.mkdtemp()), _free_port()
+    account = "postgres" if os.geteuid() == 0 else None
+    if account:
+        shutil.chown(folder, account)
+
+    def run(program: str, *arguments: str) -> None:
+        command = [str(programs / program), "-D", str(folder / "data"), *arguments]
+        subprocess.run(command, user=account, check=True, cwd=folder, timeout=60, stdout=subprocess.DEVNULL)
+
+    run("initdb", "--auth=trust", "--username=coaxial", "--no-sync")
+    options = f"-c listen_addresses=127.0.0.1 -c fsync=off -p {port} -k {folder}"
+    run("pg_ctl", "-o", options, "-l", str(folder / "log"), "-w", "start")
+    yield f"postgresql://coaxial@127.0.0.1:{port}/postgres"
+    run("pg_ctl", "-m", "immediate", "stop")
+    shutil.rmtree(folder)

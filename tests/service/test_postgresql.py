@@ -1,13 +1,7 @@
 """The same code on PostgreSQL: a real server of its own, where Debian's `postgresql` is installed."""
 
-import os
-import shutil
-import socket
-import subprocess
-import tempfile
 import threading
 from contextlib import ExitStack
-from pathlib import Path
 
 import pytest
 from alembic.autogenerate import compare_metadata
@@ -24,41 +18,13 @@ from service.database.room_claim import room_claim
 from service.database.tables import metadata
 from service.errors import ErrorCode, ServiceError
 
-_PROGRAMS = sorted(Path("/usr/lib/postgresql").glob("*/bin/initdb"))
 _EVENT = NewEvent("noted", None, "case_open", {"rms": float("nan")}, {})
 
-pytestmark = pytest.mark.skipif(not _PROGRAMS, reason="needs a server: apt-get install postgresql")
-
-
-def _free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as probe:
-        return probe.getsockname()[1]
-
 
 @pytest.fixture(scope="module")
-def address():
-    """An empty server; it refuses to run as root, and then needs its data where its own user can go."""
-    programs, folder, port = _PROGRAMS[-1].parent, Path(tempfile.mkdtemp()), _free_port()
-    account = "postgres" if os.geteuid() == 0 else None
-    if account:
-        shutil.chown(folder, account)
-
-    def run(program: str, *arguments: str) -> None:
-        command = [str(programs / program), "-D", str(folder / "data"), *arguments]
-        subprocess.run(command, user=account, check=True, cwd=folder, timeout=60, stdout=subprocess.DEVNULL)
-
-    run("initdb", "--auth=trust", "--username=coaxial", "--no-sync")
-    options = f"-c listen_addresses=127.0.0.1 -c fsync=off -p {port} -k {folder}"
-    run("pg_ctl", "-o", options, "-l", str(folder / "log"), "-w", "start")
-    yield f"postgresql://coaxial@127.0.0.1:{port}/postgres"
-    run("pg_ctl", "-m", "immediate", "stop")
-    shutil.rmtree(folder)
-
-
-@pytest.fixture(scope="module")
-def server(address):
+def server(postgresql_address):
     """The migrated database with one case in it."""
-    database = open_database(address)
+    database = open_database(postgresql_address)
     migrate(database)
     surgeon = UserStore(database).add("anna", Role.SURGEON, "correct horse", "2468")
     with database.write() as connection:
@@ -102,8 +68,8 @@ def test_the_reader_cannot_write(server):
         connection.exec_driver_sql("CREATE TABLE smuggled (number int)")
 
 
-def test_two_rooms_share_a_database_and_one_room_is_not_shared(server, address):
-    other = open_database(address)
+def test_two_rooms_share_a_database_and_one_room_is_not_shared(server, postgresql_address):
+    other = open_database(postgresql_address)
     with room_claim(server, "room-1"), ExitStack() as stack:
         stack.enter_context(room_claim(other, "room-2"))
         with pytest.raises(ServiceError) as refusal:

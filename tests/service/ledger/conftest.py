@@ -1,6 +1,5 @@
 """A small record with a row in every table, signed and anchored, and an attacker who may write its file."""
 
-import json
 import shutil
 import sqlite3
 from collections.abc import Callable, Iterator
@@ -157,8 +156,5 @@ def record(kept_record: Record, tmp_path: Path) -> Iterator[Record]:
 
 
 @pytest.fixture(scope="session")
-def entry_of() -> Callable[[sqlite3.Connection, int], dict]:
-    def read(connection: sqlite3.Connection, sequence: int) -> dict:
-        return json.loads(connection.execute("SELECT entry FROM ledger WHERE sequence = ?", [sequence]).fetchone()[0])
-
-    return read
+def fill_record() -> Callable[[Database], None]:
+    return fill
