@@ -88,7 +88,7 @@ def _tcp_sd(path: Path) -> tuple[float, float]:
     from robot.tool import read_tool
 
     tool = read_device(path, read_tool)
-    return tool.tcp_tolerance_mm, math.degrees(tool.tcp_tolerance_rad)
+    return tool.calibration_sd_mm, math.degrees(tool.calibration_sd_rad)
 
 
 def _to_json(result: "Budget", checked: "Check | None") -> dict[str, Any]:

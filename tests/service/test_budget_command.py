@@ -56,6 +56,15 @@ def test_a_better_arm_leaves_less() -> None:
     assert both[1] < 0.7 * both[0]
 
 
+def test_the_calibration_s_own_file_says_how_well_it_is_known(device_files: dict[str, str], tmp_path: Path) -> None:
+    (tmp_path / "tcp.toml").write_text(device_files["tcp"] + "\n[calibration]\nrotation_sd_deg = 0.5\n")
+    angles = [
+        json.loads(run("--json", *more).stdout)["sources"]["TCP calibration"]["angle_95_deg"]
+        for more in ((), ("--tcp", tmp_path / "tcp.toml"))
+    ]
+    assert angles[1] == pytest.approx(10.0 * angles[0], rel=0.01)
+
+
 def test_a_depth_that_reaches_the_source_is_a_wrong_option() -> None:
     result = run("--depth-mm", "700")
     assert result.exit_code == 2
