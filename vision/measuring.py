@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from vision.bands import Shadows, cut_pieces
-from vision.bead import BeadEvidence
+from vision.bead_centre import BeadCentre
 from vision.devices import Guide
 from vision.distortion import PlateFit
 from vision.line_ends import LineEnd
@@ -23,7 +23,6 @@ Array = NDArray[np.float64]
 
 FAINTEST = 0.35  # amplitude of an accepted place, of the median
 _STRONGEST = 3.0  # the same: darker is another thing
-_BEAD_SD_PX = 0.15  # of its centre: a spot of some 12 px across on structured ground
 _LINE_END_SD_PX = 0.6  # of the place of half absorption, on uneven ground; the ends are there to be judged
 _WORST_MISFIT = 0.5  # of its amplitude
 _FARTHEST = 0.8  # of a profile's reach: beyond it the crest found is another's
@@ -106,7 +105,7 @@ def find(view: View, guide: Guide, scene: Scene, ends: list[LineEnd]) -> Measure
 
 
 def measure(
-    view: View, guide: Guide, scene: Scene, amplitude: float, ends: list[LineEnd], bead: BeadEvidence | None
+    view: View, guide: Guide, scene: Scene, amplitude: float, ends: list[LineEnd], bead: BeadCentre | None
 ) -> Measured | Refusal:
     """All wires, piece by piece, whatever crosses them.
 
@@ -126,9 +125,7 @@ def measure(
     Measured or Refusal
         `no_guide_found` where hardly a place looks like a wire.
     """
-    ball_radius_px = float(scene.balls[0, 2]) if len(scene.balls) else 0.0
-    shadows = Shadows(amplitude, scene.blur_px, scene.plate.sites, ball_radius_px)
-    pieces = cut_pieces(view, guide, scene.plate, scene.values, shadows)
+    pieces = cut_pieces(view, guide, scene.plate, scene.values, shadows_in(scene, amplitude))
     offsets = measure_offsets(pieces, amplitude, scene.blur_px)
     uncrossed = _uncrossed(pieces.samples, sample_wires(view, guide), scene)
     single = _single_points(view, guide, ends, bead)
@@ -178,12 +175,12 @@ def _uncrossed(samples: WireSamples, wires: WireSamples, scene: Scene) -> NDArra
 
 
 def _single_points(
-    view: View, guide: Guide, ends: list[LineEnd], bead: BeadEvidence | None
+    view: View, guide: Guide, ends: list[LineEnd], bead: BeadCentre | None
 ) -> tuple[Array, Array, Array, Array]:
     """Line ends along the line, the bead's centre along u and v: places mm, pixels, directions, sd px."""
     rows = [_line_end_row(view, guide, end) for end in ends]
     if bead is not None and guide.bead is not None:
-        sd_px = bead_sd_px(view, guide)
+        sd_px = bead_sd_px(view, guide, bead)
         rows += [(*guide.bead.position_mm, *bead.centre_px, *direction, sd_px) for direction in np.eye(2)]
     table = np.array(rows, dtype=np.float64).reshape(-1, 8)
     return table[:, 0:3], table[:, 3:5], table[:, 5:7], table[:, 7]
@@ -201,9 +198,13 @@ def _outwards(view: View, guide: Guide, x_mm: float) -> Array:
     return np.asarray(along if x_mm == guide.line_end_mm else -along)
 
 
-def bead_sd_px(view: View, guide: Guide) -> float:
+def bead_sd_px(view: View, guide: Guide, bead: BeadCentre) -> float:
     """Standard deviation of the bead's centre: measurement and manufacture, px."""
-    if guide.bead is None:
-        return _BEAD_SD_PX
     per_mm = view.intrinsics.alpha_x_px / float(view.source_from_guide[2, 3])
-    return float(np.hypot(_BEAD_SD_PX, guide.tolerance.bead_sd_mm * per_mm))
+    return float(np.hypot(bead.sd_px, guide.tolerance.bead_sd_mm * per_mm))
+
+
+def shadows_in(scene: Scene, amplitude: float) -> Shadows:
+    """What wires and balls look like in an image whose wires absorb so much."""
+    ball_radius_px = float(scene.balls[0, 2]) if len(scene.balls) else 0.0
+    return Shadows(amplitude, scene.blur_px, scene.plate.sites, ball_radius_px)

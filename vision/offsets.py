@@ -15,7 +15,7 @@ from vision.wire_shape import PIXEL_VARIANCE
 Array = NDArray[np.float64]
 
 _CROSSING_SD = 0.5  # of what crosses, in its expected absorption: a wire's, a little of a ball's
-_DISPLAY_GAMMA = 0.8  # of display look-ups, 0.7 to 0.95: what was shown has so much of the absorption's slope
+DISPLAY_GAMMA = 0.8  # of display look-ups, 0.7 to 0.95: what was shown has so much of the absorption's slope
 _USUAL_PIXELS = 10.0  # pixels by which a piece's own noise is drawn to the median's: those of some two unknowns
 _ROUNDING = 1e-9  # relative; keeps empty pieces solvable
 _LEAST_VARIANCE = 1e-6  # of a ground's term: a thousandth of absorption
@@ -79,7 +79,7 @@ def _offsets(pieces: Pieces, normal: Array, solved: Array, noise: Array, blur_px
     measurable = amplitude > 0.0
     safe = np.where(measurable, amplitude, 1.0)
     # the detector blurs intensity: on a slope the wire's shadow moves towards the dense side by slope times variance
-    slope_per_px = solved[:, GROUND.start + 1] / pieces.reach_px / _DISPLAY_GAMMA
+    slope_per_px = solved[:, GROUND.start + 1] / pieces.reach_px / DISPLAY_GAMMA
     offset_px = solved[:, 1] / safe - slope_per_px * (blur_px**2 + PIXEL_VARIANCE)
     variance = noise * np.linalg.inv(normal)[:, 1, 1] / safe**2
     left = pieces.values - (pieces.design @ solved[:, :, None])[:, :, 0]

@@ -7,15 +7,17 @@ from numpy.typing import NDArray
 
 from vision import gates
 from vision.bead import BeadEvidence, Crossing, locate_bead
+from vision.bead_centre import BeadCentre, measure_bead
 from vision.contour import ContourFit, fit_contour
 from vision.first_pose import FirstView
 from vision.line_ends import LineEnd, measure_line_ends
-from vision.measuring import FAINTEST, Measured, Scene, bead_sd_px, find, measure
+from vision.measuring import FAINTEST, Measured, Scene, bead_sd_px, find, measure, shadows_in
 from vision.priors import VIEW_PARAMETERS
 from vision.projection import project, projection_jacobian
 from vision.refusal import Refusal
 from vision.view_fit import Observations
 from vision.wire_model import sample_wires
+from vision.wire_noise import LEAST_NOISE_PX
 
 Array = NDArray[np.float64]
 
@@ -76,7 +78,8 @@ def _with_bead(last: Round, scene: Scene) -> Solution | Refusal:
     bead = _bead(last, scene)
     if isinstance(bead, Refusal):
         return bead
-    measured = measure(last.fit.view, last.fit.guide, scene, last.measured.amplitude, last.line_ends, bead)
+    evidence, centre = bead
+    measured = measure(last.fit.view, last.fit.guide, scene, last.measured.amplitude, last.line_ends, centre)
     if isinstance(measured, Refusal):
         return measured
     fit = fit_contour(last.fit.view, last.fit.guide, measured.observations, scene.priors, scene.plate)
@@ -86,7 +89,7 @@ def _with_bead(last: Round, scene: Scene) -> Solution | Refusal:
         or gates.check_trust(fit, scene.guide)
         or gates.check_tilt(fit.view)
     )
-    return refusal or Solution(fit, _on_corrected_map(measured.observations, fit, scene), last.line_ends, bead)
+    return refusal or Solution(fit, _on_corrected_map(measured.observations, fit, scene), last.line_ends, evidence)
 
 
 def _on_corrected_map(observations: Observations, fit: ContourFit, scene: Scene) -> Observations:
@@ -128,21 +131,24 @@ def _judged_before_bead(last: Round) -> Refusal | None:
     )
 
 
-def _bead(last: Round, scene: Scene) -> BeadEvidence | Refusal | None:
+def _bead(last: Round, scene: Scene) -> tuple[BeadEvidence, BeadCentre] | tuple[None, None] | Refusal:
     """Handedness, and the bead's distance from its prediction in standard deviations."""
     guide, fit = scene.guide, last.fit
     if guide.bead is None:
-        return None
+        return None, None
     crossing = Crossing(sample_wires(fit.view, fit.guide).points, scene.balls)
     per_mm = last.measured.amplitude / guide.wire_diameter_mm
     evidence = locate_bead(fit.view, guide.bead, per_mm, scene.reader, crossing)
     if isinstance(evidence, Refusal):
         return evidence
+    shadows = shadows_in(scene, last.measured.amplitude)
+    structure = fit.noise_px / max(float(np.median(last.measured.observations.sd_px)), LEAST_NOISE_PX)
+    centre = measure_bead(fit.view, fit.guide, evidence.centre_px, scene.plate.map, scene.values, shadows, structure)
     place = np.array(guide.bead.position_mm)
-    excess = evidence.centre_px - project(fit.view, place[None])[0]
-    spread = _prediction_covariance(fit, place) + bead_sd_px(fit.view, guide) ** 2 * np.eye(2)
+    excess = centre.centre_px - project(fit.view, place[None])[0]
+    spread = _prediction_covariance(fit, place) + bead_sd_px(fit.view, guide, centre) ** 2 * np.eye(2)
     refusal = gates.check_bead(float(np.sqrt(excess @ np.linalg.solve(spread, excess))))
-    return refusal or evidence
+    return refusal or (replace(evidence, centre_px=centre.centre_px), centre)
 
 
 def _prediction_covariance(fit: ContourFit, place: Array) -> Array:
