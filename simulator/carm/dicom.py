@@ -83,6 +83,7 @@ def _identify(dataset: Dataset, worklist: Worklist, frame: Frame) -> None:
     dataset.SeriesInstanceUID = worklist.series_uid
     dataset.SeriesNumber = 1
     dataset.Modality = "XA"
+    dataset.BodyPartExamined = "LSPINE"  # no paired part: needs no laterality
     dataset.PatientPosition = "HFP"
     dataset.InstanceNumber = frame.number
     dataset.PatientOrientation = ""
