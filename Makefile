@@ -52,8 +52,8 @@ faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong ea
 	$(BIN)/python benchmarks/faulted.py --count $(or $(COUNT),1000) --processes $(or $(PROCESSES),2) \
 	  --folder $(or $(FOLDER),$(VENV)/faulted)
 
-audit-bench: $(VENV)/.runtime  ## how fast the ledger is verified, read and written; COUNT=100000 entries
-	$(BIN)/python benchmarks/audit.py --count $(or $(COUNT),100000)
+audit-bench: $(VENV)/.runtime  ## how fast the ledger is written, verified (COUNT=20000 entries) and read (PAGES=1000000)
+	$(BIN)/python benchmarks/audit.py --count $(or $(COUNT),20000) --pages $(or $(PAGES),1000000)
 
 side-by-side: $(BENCH_VENV)/.ready  ## other methods on the same images and rooms: COUNT=6 images a group, ROOMS=20; plots to FOLDER
 	$(BENCH_VENV)/bin/python -m benchmarks.side_by_side --count $(or $(COUNT),6) --rooms $(or $(ROOMS),20) \

@@ -1,8 +1,7 @@
 """How fast the ledger is verified, read and written: entries as a procedure makes them, with every row they vouch for.
 
-Prints the rate of `coaxial audit verify`, the time of a page at the beginning and at the end under every filter, and
-what the ledger adds to one appended event. Rates are of processor time, which other work on the machine does not
-change; times of pages and appends are the wall clock's.
+Prints what the ledger adds to one appended event, the rate of `coaxial audit verify`, and the time of a page at the
+beginning and at the end under every filter. Figures of processor time hardly change with other work on the machine.
 """
 
 import argparse
@@ -10,7 +9,7 @@ import os
 import statistics
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import cycle, islice
 from pathlib import Path
@@ -60,6 +59,7 @@ _PROCEDURE = (
 )
 _STATE = {"state": "registered", "chain": dict.fromkeys("abcdefgh", "0" * 32), "text": "x" * 600}
 _CONTENT = {"guide_from_source": [[0.123456789012345 + row + column for column in range(4)] for row in range(4)]}
+_NUMBERED = {"ledger": "sequence", "attempts": "id", "verdicts": "id"}
 _A_TRANSACTION = 500
 _CASES = 50
 _REPEATS = 15
@@ -68,8 +68,10 @@ _REPEATS = 15
 def main() -> None:
     """Build, then measure."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--count", type=int, default=100_000, help="entries")
-    count = parser.parse_args().count
+    parser.add_argument("--count", type=int, default=20_000, help="entries that are written and verified")
+    parser.add_argument("--pages", type=int, default=1_000_000, help="entries that are read in pages, the same again")
+    given = parser.parse_args()
+    count, pages = given.count, given.pages
     with tempfile.TemporaryDirectory() as name:
         database = _open(Path(name))
         _append_cost(database)
@@ -81,6 +83,7 @@ def main() -> None:
             _fill(database, count)
         for workers in (1, os.cpu_count() or 1):
             _verify_rate(database, folder, workers)
+        _repeat(database, pages)
         _pages(database)
         database.close()
 
@@ -139,11 +142,35 @@ def _processor_s() -> float:
     return sum(os.times()[:4])
 
 
+def _repeat(database: Database, wanted: int) -> None:
+    """The same entries again, numbered on and a year later each time, for pages: written one by one they take hours."""
+    with database.writer.begin() as connection:
+        highest = {name: f"SELECT max({key}) FROM {name}" for name, key in _NUMBERED.items()}
+        step = {name: connection.exec_driver_sql(query).scalar_one() for name, query in highest.items()}
+        for time_ in range(1, wanted // step["ledger"]):
+            later = {name: time_ * number for name, number in step.items()}
+            connection.exec_driver_sql(
+                "INSERT INTO ledger SELECT sequence + ?, entry, sha256, substr(reached_at, 1, 4) + ? "
+                "|| substr(reached_at, 5), case_id, actor, action, attempt_id + ? FROM ledger WHERE sequence <= ?",
+                (later["ledger"], time_, later["attempts"], step["ledger"]),
+            )
+            connection.exec_driver_sql(
+                "INSERT INTO attempts SELECT id + ?, case_id, user_id, trigger, accepted, code, message, state, "
+                "recorded_at FROM attempts WHERE id <= ?",
+                (later["attempts"], step["attempts"]),
+            )
+            connection.exec_driver_sql(
+                'INSERT INTO verdicts SELECT id + ?, attempt_id + ?, code, hazard, passed, measured, "limit", unit, '
+                "message FROM verdicts WHERE id <= ?",
+                (later["verdicts"], later["attempts"], step["verdicts"]),
+            )
+
+
 def _pages(database: Database) -> None:
     with database.read() as connection:
-        last = page(connection, Wanted(), 0, 1)[0]["sequence"]
         end = connection.exec_driver_sql("SELECT max(sequence) FROM ledger").scalar_one()
-        times = {share: page(connection, Wanted(), int(end * share), 1)[0]["recorded_at"] for share in (0.0, 0.9)}
+        reached = "SELECT reached_at FROM ledger WHERE sequence = ?"
+        early, late = (connection.exec_driver_sql(reached, (int(end * share),)).scalar_one() for share in (0.1, 0.9))
     filters = {
         "no filter": Wanted(),
         "case": Wanted(case_id="case-7"),
@@ -153,35 +180,42 @@ def _pages(database: Database) -> None:
         "interlock, frequent": Wanted(interlock="interlock_0"),
         "hazard": Wanted(hazard="H12"),
         "case and action": Wanted(case_id="case-7", action="arrived"),
-        "time": Wanted(since=times[0.0], until=times[0.9]),
+        "time": Wanted(since=early, until=late),
     }
-    print(f"{'a page of 200 of ' + str(end):32} {'beginning':>12} {'end':>12}   ms, median of {_REPEATS}")
+    print(f"{f'a page of 200 of {end}':32} {'beginning':>12} {'end':>12}   ms of processor, median of {_REPEATS}")
     for name, wanted in filters.items():
-        early = _milliseconds(lambda wanted=wanted: _page(database, wanted, last))
-        late = _milliseconds(lambda wanted=wanted: _page(database, wanted, int(end * 0.89)))
-        print(f"{name:32} {early:12.1f} {late:12.1f}")
+        first, last = (_milliseconds(database, wanted, place) for place in (0, int(end * 0.89)))
+        print(f"{name:32} {first:12.1f} {last:12.1f}")
 
 
-def _page(database: Database, wanted: Wanted, after: int) -> None:
-    with database.read() as connection:
-        page(connection, wanted, after)
+def _milliseconds(database: Database, wanted: Wanted, after: int) -> float:
+    times = []
+    for _ in range(_REPEATS):
+        started = time.process_time()
+        with database.read() as connection:
+            page(connection, wanted, after)
+        times.append((time.process_time() - started) * 1000)
+    return statistics.median(times)
 
 
 def _append_cost(database: Database) -> None:
     """An event alone, on a database that ends every commit on the disk, with the ledger and with it left out."""
-
-    def append() -> None:
-        event = NewEvent("noted", None, "case_open", _STATE, {})
-        with database.write() as connection:
-            store.append(connection, "case-0", event, expected_version=None)
-
-    figures: dict[str, list[float]] = {"with": [], "without": []}
+    figures: dict[str, list[tuple[float, float]]] = {"with": [], "without": []}
     for _ in range(_REPEATS * 4):  # in turns, so that both meet the same disk
-        figures["with"].append(_once(append))
+        figures["with"].append(_append(database))
         with patch("service.database.engines.sealed", _unsealed), patch("service.cases.store.add_rows", _plain):
-            figures["without"].append(_once(append))
-    wall = {name: statistics.median(values) for name, values in figures.items()}
-    print(f"an event appended: {wall['with']:.2f} ms with the ledger, {wall['without']:.2f} ms without (wall, median)")
+            figures["without"].append(_append(database))
+    for name, values in figures.items():
+        wall, processor = (statistics.median(one) for one in zip(*values, strict=True))
+        print(f"an event appended {name} the ledger: {wall:.2f} ms by the wall clock, {processor:.2f} ms of processor")
+
+
+def _append(database: Database) -> tuple[float, float]:
+    event = NewEvent("noted", None, "case_open", _STATE, {})
+    started, started_processor = time.perf_counter(), time.process_time()
+    with database.write() as connection:
+        store.append(connection, "case-0", event, expected_version=None)
+    return (time.perf_counter() - started) * 1000, (time.process_time() - started_processor) * 1000
 
 
 def _plain(connection: Any, table: sa.Table, rows: list[dict[str, Any]]) -> None:
@@ -192,16 +226,6 @@ def _plain(connection: Any, table: sa.Table, rows: list[dict[str, Any]]) -> None
 def _unsealed(connection: Any, _signer: object) -> Iterator[None]:
     begin_draft(connection)
     yield
-
-
-def _once(work: Callable[[], None]) -> float:
-    started_s = time.perf_counter()
-    work()
-    return (time.perf_counter() - started_s) * 1000
-
-
-def _milliseconds(work: Callable[[], None]) -> float:
-    return statistics.median(_once(work) for _ in range(_REPEATS))
 
 
 @contextmanager
