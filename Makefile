@@ -9,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests audit-bench bench samples scenes two-images faulted side-by-side format docs lock
+.PHONY: help demo run test check tests audit-bench bench samples scenes two-images faulted side-by-side tcp format docs lock
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -58,6 +58,9 @@ audit-bench: $(VENV)/.runtime  ## how fast the ledger is written, verified (COUN
 side-by-side: $(BENCH_VENV)/.ready  ## other methods on the same images and rooms: COUNT=6 images a group, ROOMS=20; plots to FOLDER
 	$(BENCH_VENV)/bin/python -m benchmarks.side_by_side --count $(or $(COUNT),6) --rooms $(or $(ROOMS),20) \
 	  $(if $(FOLDER),--folder $(FOLDER))
+
+tcp: $(VENV)/.runtime  ## recover a planted TCP error from images, in rooms with every error; COUNT=10 of them
+	$(BIN)/python benchmarks/tcp.py --count $(or $(COUNT),10)
 
 format: $(VENV)/.test  ## write the house format
 	$(BIN)/ruff format --quiet .

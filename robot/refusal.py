@@ -16,6 +16,10 @@ class RefusalCode(StrEnum):
     PATH_TOO_LONG = "path_too_long"
     MODEL_MISMATCH = "model_mismatch"
     KEEP_OUT = "keep_out"
+    # calibrate
+    TOO_FEW_POSES = "too_few_poses"
+    POSES_TOO_ALIKE = "poses_too_alike"
+    POSES_INCONSISTENT = "poses_inconsistent"
     # guard, before a motion
     GUARD_HELD = "guard_held"
     MOTION_RUNNING = "motion_running"

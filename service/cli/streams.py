@@ -31,7 +31,7 @@ def read_device(path: Path, parse: Callable[[bytes], DeviceT]) -> DeviceT:
     try:
         device = parse(_read(path))
     except ValueError as error:
-        _end_unusable(path, error)
+        end_unusable(path, error)
     if device.expires is not None and device.expires < datetime.now(UTC).date():
         typer.echo(f"warning: {path}: expired on {device.expires}", err=True)
     return device
@@ -57,7 +57,7 @@ def read_registration(path: Path) -> "Registration":
     try:
         return from_json(json.loads(_read(path)))
     except (ValueError, RecursionError) as error:
-        _end_unusable(path, error)
+        end_unusable(path, error)
 
 
 def print_line(result: Mapping[str, Any]) -> None:
@@ -83,17 +83,18 @@ def write_file(path: Path, data: bytes) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(data)
     except OSError as error:
-        _end_unusable(path, error.strerror or error)
+        end_unusable(path, error.strerror or error)
 
 
 def _read(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except OSError as error:
-        _end_unusable(path, error.strerror or error)
+        end_unusable(path, error.strerror or error)
 
 
-def _end_unusable(path: Path, reason: object) -> NoReturn:
+def end_unusable(path: Path, reason: object) -> NoReturn:
+    """End the command with one line about a file."""
     line = " ".join(str(reason).split())
     typer.echo(f"error: {path}: {line}", err=True)
     raise typer.Exit(UNUSABLE)
