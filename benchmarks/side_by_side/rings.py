@@ -25,7 +25,7 @@ Found = list[tuple[float, float, float, float]]  # centre u, v, semi-axes, px
 _MATCH_PX = 6.0  # in centre and axes; finders of edges see both flanks of a wire, 3 px off its middle
 _AXES_PX = (54.0, 200.0)  # of the guide's rings wherever a guide may be: all finders are told
 _BACKGROUND_PX = 15  # what is wider is no wire
-_RANSAC_TRIALS = 3000
+_RANSAC_TRIALS = 1500
 _RANSAC_POINTS = 300  # drawn of the ridge points: the model measures distances by an optimisation for every point
 _RANSAC_WITHIN_PX = 1.5
 
