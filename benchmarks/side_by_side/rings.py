@@ -1,6 +1,7 @@
 """Ring finders on the same straightened images: which rings they find, how well, and what they find besides."""
 
 import time
+import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
@@ -162,6 +163,17 @@ def _ransac(image: Straightened) -> Found:
     for _ in range(2):
         if len(points) < 20:
             break
+        model, inliers = _consensus(points, image.picture.seed)
+        if model is None or inliers is None:
+            break
+        (u, v), axes = model.center, sorted(model.axis_lengths, reverse=True)
+        found.append((float(u), float(v), float(axes[0]), float(axes[1])))
+        points = points[~inliers]
+    return found
+
+
+def _consensus(points: Array, seed: int) -> tuple[EllipseModel | None, NDArray[np.bool_] | None]:
+    with warnings.catch_warnings(action="ignore", category=UserWarning):  # that there is none: counted as missed
         model, inliers = ransac(
             points,
             EllipseModel,
@@ -169,14 +181,9 @@ def _ransac(image: Straightened) -> Found:
             residual_threshold=_RANSAC_WITHIN_PX,
             max_trials=_RANSAC_TRIALS,
             is_model_valid=_is_plausible,
-            rng=image.picture.seed,
+            rng=seed,
         )
-        if model is None or inliers is None:
-            break
-        (u, v), axes = model.center, sorted(model.axis_lengths, reverse=True)
-        found.append((float(u), float(v), float(axes[0]), float(axes[1])))
-        points = points[~inliers]
-    return found
+    return model, inliers
 
 
 def _is_plausible(model: EllipseModel, *_points: Array) -> bool:
