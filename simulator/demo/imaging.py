@@ -81,4 +81,4 @@ def _refused(team: Team, event: Json) -> DemoFailed:
     reason = event["data"].get("reason")
     if reason is not None:
         return DemoFailed(str(reason["code"]), f"{reason['message']}, {measured(reason)}")
-    return DemoFailed("interlock_refused", why(team.surgeon, event["trigger"]))
+    return DemoFailed("interlock_refused", why(team.surgeon, event["data"]["told_as"]))
