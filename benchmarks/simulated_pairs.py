@@ -106,9 +106,11 @@ class Moved:
 
     @classmethod
     def draw(cls, room: Room, rng: np.random.Generator) -> "Moved":
-        """Tilted anyhow, near the middle; some 15 mm and 5 deg on."""
+        """Tilted anyhow, near the middle; some 15 mm and 5 deg on, its distance from the source kept as (3) does."""
         before = motion(rng.normal(0.0, 8.0, 3), np.array([*rng.uniform(-30.0, 30.0, 2), 750.0]))
-        return cls(room, before, motion(rng.normal(0.0, 5.0, 3), rng.normal(0.0, 15.0, 3)))
+        after = before @ motion(rng.normal(0.0, 5.0, 3), rng.normal(0.0, 15.0, 3))
+        after[:3, 3] *= np.linalg.norm(before[:3, 3]) / np.linalg.norm(after[:3, 3])
+        return cls(room, before, np.linalg.inv(before) @ after)
 
     def compared(
         self, rng: np.random.Generator, errors: MotionErrors, displaced: Array = STILL, scale: float = 1.0

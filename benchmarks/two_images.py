@@ -27,7 +27,7 @@ from simulator.carm.drawing import random_scene
 from simulator.carm.render import render
 from simulator.carm.scene import Scene
 from vision.devices import read_carm, read_guide
-from vision.motion_agreement import CHI_SQUARE_LIMIT, MotionErrors, detectable_motion
+from vision.motion_agreement import CHI_SQUARE_LIMIT, MotionErrors, RelativeMotion, detectable_motion
 from vision.refusal import Refusal
 from vision.registered import Registration
 from vision.registration import register
@@ -121,18 +121,22 @@ def simulated_motions(cases: int, first: int) -> list[Rate]:
 
 
 def sizes(cases: int, first: int) -> None:
-    """What 99 % of cases see, told before the move."""
-    told = []
+    """What 99 % of cases see: as told before the move, from one image, and as found with both."""
+    told, found = [], []
     for seed in range(first, first + cases):
         rng = np.random.default_rng([seed, 3])
         moved = Moved.draw(Room.draw(_GUIDE, _CARM, rng), rng)
-        size = detectable_motion(moved.room.seen(moved.before, rng), moved.planned, ERRORS)
-        told.append((math.degrees(size.rotation_rad), size.across_mm, size.along_mm))
-    middle, most = np.median(told, axis=0), np.percentile(told, 95, axis=0)
-    print(
-        f"detectable, median (95 %): {middle[0]:.2f} ({most[0]:.2f}) deg, {middle[1]:.2f} ({most[1]:.2f}) mm across, "
-        f"{middle[2]:.2f} ({most[2]:.2f}) mm along the beam; {cases} cases"
-    )
+        told.append(_figures(detectable_motion(moved.room.seen(moved.before, rng), moved.planned, ERRORS)))
+        found.append(_figures(moved.compared(rng, ERRORS).detectable))
+    for name, figures in (("told before the move", told), ("found with both images", found)):
+        middle, most = np.median(figures, axis=0), np.percentile(figures, 95, axis=0)
+        across_mm = f"{middle[1]:.2f} ({most[1]:.2f}) mm across"
+        along_mm = f"{middle[2]:.2f} ({most[2]:.2f}) mm along the beam"
+        print(f"detectable, {name}, median (95 %): {middle[0]:.2f} ({most[0]:.2f}) deg, {across_mm}, {along_mm}")
+
+
+def _figures(motion: RelativeMotion) -> tuple[float, float, float]:
+    return math.degrees(motion.rotation_rad), motion.across_mm, motion.along_mm
 
 
 def registered(scene: Scene, seed: int) -> tuple[XrayImage, Registration] | Refusal:

@@ -103,10 +103,15 @@ def compare_motion(
 
 
 def detectable_motion(before: Registration, before_from_after: Array, errors: MotionErrors) -> RelativeMotion:
-    """What `compare_motion` will see in 99 % of cases after a planned motion, were the second image like the first."""
+    """What `compare_motion` will see in 99 % of cases after a planned motion, were the second image as good."""
     view = before.view()
     after = View(view.intrinsics, view.source_from_guide @ before_from_after)
-    pair, _ = _conditioned(_Pair(view, after, _joint_covariance(before, before)), np.zeros(len(_SHARED)))
+    farther = np.ones(_ONE)
+    farther[_TRANSLATION] = after.source_from_guide[2, 3] / view.source_from_guide[2, 3]
+    one, prior = _covariance(before), _prior_information(before)
+    # from elsewhere, the same errors of the intrinsics displace the guide in proportion to its distance
+    pair = _Pair(view, after, _joined(one, one * np.outer(farther, farther), prior))
+    pair, _ = _conditioned(pair, np.zeros(len(_SHARED)))
     return _detectable(_spread(pair, errors), _beam(after))
 
 
@@ -132,7 +137,10 @@ def _joint_covariance(before: Registration, after: Registration) -> Array:
 
     A fit with information L and prior P errs by -(L + P)^-1 P d + noise, d the prior's error with covariance P^-1.
     """
-    one, two, prior = _covariance(before), _covariance(after), _prior_information(before)
+    return _joined(_covariance(before), _covariance(after), _prior_information(before))
+
+
+def _joined(one: Array, two: Array, prior: Array) -> Array:
     across = one[:, _SHARED] @ prior @ two[_SHARED]
     return np.block([[one, across], [across.T, two]])
 
