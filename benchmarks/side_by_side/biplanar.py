@@ -72,7 +72,7 @@ def _placed(theatre: Theatre) -> _Phantom:
 def _both(first: Angles) -> tuple[Angles, Angles]:
     """The path's own view, and one turned about the patient's long axis, to the side where the C-arm can go."""
     orbital = first.from_vertical_rad[0]
-    turn = _BETWEEN_VIEWS_RAD if orbital > 0.0 else -_BETWEEN_VIEWS_RAD
+    turn = -_BETWEEN_VIEWS_RAD if orbital > 0.0 else _BETWEEN_VIEWS_RAD
     return first, Angles(first.primary_rad + turn, first.secondary_rad)
 
 
