@@ -48,6 +48,13 @@ scenes: $(VENV)/.runtime  ## register random rendered scenes against their truth
 two-images: $(VENV)/.runtime  ## what the two-image checks see and falsely see; CASES=1000 simulated, PAIRS=20 rendered
 	$(BIN)/python benchmarks/two_images.py --cases $(or $(CASES),1000) --pairs $(or $(PAIRS),20)
 
+efficiency: $(VENV)/.runtime  ## targeting error against the bound by the pixels' information; COUNT=12 of each stratum
+	$(BIN)/python benchmarks/efficiency.py --count $(or $(COUNT),12)
+
+coverage: $(VENV)/.runtime  ## are the predicted 95 % bounds true: COUNT=1000 scenes, PROCESSES=2; results kept in FOLDER
+	$(BIN)/python benchmarks/coverage.py --count $(or $(COUNT),1000) --processes $(or $(PROCESSES),2) \
+	  --folder $(or $(FOLDER),$(VENV)/coverage)
+
 faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong each, PROCESSES=2; results kept in FOLDER
 	$(BIN)/python benchmarks/faulted.py --count $(or $(COUNT),1000) --processes $(or $(PROCESSES),2) \
 	  --folder $(or $(FOLDER),$(VENV)/faulted)

@@ -21,9 +21,9 @@ _BESIDE_WIRE_PX = 4  # of the band in which a wire is looked for, for the roundi
 
 def render_quickly(scene: Scene, seed: int) -> RenderedXray:
     """The image of a scene; the seed draws the quantum noise alone."""
-    intensity = np.exp(-enlarge(_soft_depths(scene), scene.camera.columns, scene.camera.rows))
+    intensity = np.exp(-enlarge(soft_depths(scene), scene.camera.columns, scene.camera.rows))
     for guide in scene.guides:
-        _shade_metal(intensity, scene, guide)
+        shade_metal(intensity, scene, guide)
     if scene.plate is not None:
         u, v, passed = ball_patches(scene.plate, scene.camera, scene.distortion, SUB_PIXELS)
         intensity[v, u] *= passed
@@ -31,7 +31,7 @@ def render_quickly(scene: Scene, seed: int) -> RenderedXray:
     return RenderedXray(pixels, truth_of(scene))
 
 
-def _soft_depths(scene: Scene) -> Array32:
+def soft_depths(scene: Scene) -> Array32:
     """Body and housings, on the coarse grid."""
     ideal = scene.distortion.ideal_from_raw(pixel_grid(scene.camera, STEP_PX))
     total = np.full(ideal.shape[:2], EMPTY_DEPTH, dtype=np.float32)
@@ -44,7 +44,7 @@ def _soft_depths(scene: Scene) -> Array32:
     return total
 
 
-def _shade_metal(intensity: Array32, scene: Scene, guide: PlacedGuide) -> None:
+def shade_metal(intensity: Array32, scene: Scene, guide: PlacedGuide) -> None:
     """Multiply pixels by what wires and bead let through, as a mean over parts of each pixel."""
     v, u = np.nonzero(_band(scene, guide))
     places = (np.stack([u, v], axis=-1)[:, None] + SUB_PIXELS).reshape(-1, 2)
