@@ -11,7 +11,7 @@ ROOM_FROM_PATIENT = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 
 
 # Beside the table at the patient's left hip; searched for, so that every planned path can be reached from the parked
 # pose in straight lines, far from every singularity (smallest singular value 0.17 at the flange with lengths in units
-# of 850 mm, limit of the path check 0.05) and with forearm and wrist 45 mm or more from patient and C-arm.
+# of 850 mm, limit of the path check 0.05) and with forearm and wrist clear of patient and C-arm.
 ROOM_FROM_BASE = np.array(
     [[1.0, 0.0, 0.0, 90.0], [0.0, 1.0, 0.0, 710.0], [0.0, 0.0, 1.0, -240.0], [0.0, 0.0, 0.0, 1.0]]
 )
