@@ -15,7 +15,7 @@ from simulator.demo.watching import Json
 _ECHO_WITHIN_PX = 0.5  # H08
 _CORRECTIONS = 3
 _REGISTRATIONS = 3  # for one target
-_CLEARANCE_MM = 60.0  # along the guide's axis, before the C-arm turns
+_CLEARANCE_MM = 45.0  # along the guide's axis, before the C-arm turns: above the skin, below the intensifier
 
 
 def place_sleeve(team: Team, pedicle: str) -> TargetResult:
