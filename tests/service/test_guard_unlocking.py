@@ -9,7 +9,7 @@ import pytest
 from service.conductor.conductor import Conductor
 from service.conductor.taking import Prepared, Taken
 from service.errors import ServiceError
-from service.settings import ProcedureLimits
+from service.settings import Settings
 from workflow.case import opened
 from workflow.facts import Restarted
 from workflow.states import State
@@ -35,7 +35,7 @@ class Bridge:
 
 @pytest.fixture
 def conductor() -> Any:
-    return Conductor(SimpleNamespace(settings=SimpleNamespace(limits=ProcedureLimits())), Bridge())
+    return Conductor(SimpleNamespace(settings=Settings()), Bridge())
 
 
 def _taken(sequence: int, before: State, after: State, case_id: str = "case") -> Taken:
