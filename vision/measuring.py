@@ -140,7 +140,10 @@ def _accepted(
     single: tuple[Array, Array, Array, Array],
 ) -> Measured | Refusal:
     """The places that look like a wire's, if there are enough."""
-    amplitude = float(np.median(offsets.amplitude[uncrossed & (samples.wire != Wire.LINE)]))
+    clear = uncrossed & (samples.wire != Wire.LINE)
+    if not clear.any():
+        return _too_few(0.0)
+    amplitude = float(np.median(offsets.amplitude[clear]))
     good = (
         (offsets.amplitude > FAINTEST * amplitude)
         & (offsets.amplitude < _STRONGEST * amplitude)

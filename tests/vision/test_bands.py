@@ -11,12 +11,18 @@ from simulator.carm.guide import GuideShape
 from simulator.carm.plate import Plate
 from simulator.carm.quick_render import render_quickly
 from simulator.carm.scene import Exposure, PlacedGuide, Scene
+from vision.absorption import Absorption
 from vision.bands import Pieces, Shadows, cut_pieces
 from vision.bead_centre import measure_bead
-from vision.devices import Guide
+from vision.devices import CArm, Guide
 from vision.distortion import DistortionMap, PlateFit, exact
+from vision.measuring import Scene as MeasuredScene
+from vision.measuring import measure
 from vision.offsets import Offsets, measure_offsets
+from vision.priors import Priors
+from vision.profiles import ProfileReader
 from vision.projection import Intrinsics, View, project
+from vision.refusal import Refusal, RefusalCode
 from vision.wire_model import Wire
 
 Array = NDArray[np.float64]
@@ -117,3 +123,16 @@ def test_the_beads_centre_is_measured_from_half_a_pixel_away(
     bead = measure_bead(view, guide, truth + np.array([0.4, -0.3]), FLAT.map, values, shadows, 1.5)
     assert bead.centre_px == pytest.approx(truth, abs=0.03)
     assert bead.sd_px < 0.1
+
+
+def test_wires_that_are_covered_everywhere_are_not_found(
+    view: View, guide: Guide, flat_panel: CArm, values: NDArray[np.float32]
+) -> None:
+    reader = ProfileReader(Absorption(values, np.ones(values.shape, dtype=bool)), FLAT.map, 4.5)
+    u, v = np.meshgrid(np.arange(0.0, 1024.0, 5.0), np.arange(0.0, 1024.0, 5.0))
+    balls = np.column_stack((u.ravel(), v.ravel(), np.full(u.size, BALL_RADIUS_PX)))
+    priors = Priors.of(flat_panel, guide, view.intrinsics)
+    scene = MeasuredScene(guide, priors, FLAT, reader, values, balls, BLUR_PX)
+    refusal = measure(view, guide, scene, DEPTH, [], None)
+    assert isinstance(refusal, Refusal)
+    assert refusal.code is RefusalCode.NO_GUIDE_FOUND
