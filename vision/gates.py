@@ -22,7 +22,6 @@ Array = NDArray[np.float64]
 GREATEST_RESIDUAL_PX = 0.6  # robust noise of a ridge point; a good image has 0.1, and 0.6 still aims within 0.1 deg
 FALSE_REFUSAL = 1e-4  # probability, for each test of the device files, that files which are right fail it
 GREATEST_PULL_SD = float(norm.isf(FALSE_REFUSAL / 2.0))  # of one quantity, over the spread that its pull should have
-GREATEST_LINE_END_PX = 1.5
 GREATEST_TILT_RAD = math.radians(45.0)
 LEAST_RING_COVERAGE = 0.5  # of the directions about a ring's centre that hold accepted points
 LEAST_LINE_COVERAGE = 0.4
@@ -145,10 +144,10 @@ def check_line_ends(ends: list[LineEnd], least_amplitude: float) -> Refusal | No
     if faint:
         message = "absorption of the indicator line at its end"
         return Refusal(RefusalCode.LINE_MISSING, message, min(faint), least_amplitude)
-    worst = max(ends, key=lambda end: abs(end.excess_px), default=None)
-    if worst is not None and abs(worst.excess_px) > GREATEST_LINE_END_PX:
+    worst = max(ends, key=lambda end: abs(end.excess_px) / end.sd_px, default=None)
+    if worst is not None and not abs(worst.excess_px) <= GREATEST_PULL_SD * worst.sd_px:
         message = f"the indicator line's end at x = {worst.x_mm:g} mm is not where the guide file puts it (px)"
-        return Refusal(RefusalCode.GUIDE_MISMATCH, message, abs(worst.excess_px), GREATEST_LINE_END_PX)
+        return Refusal(RefusalCode.GUIDE_MISMATCH, message, abs(worst.excess_px), GREATEST_PULL_SD * worst.sd_px)
     return None
 
 

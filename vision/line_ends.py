@@ -20,22 +20,26 @@ _STEP_PX = 0.5
 _SEEN_AROUND_PX = 2.5  # of the step: twice the blur's reach
 _STEP_SD = 0.1  # of the line's absorption: what the ground does to a profile
 _PLATEAU_SD = 0.1  # the same, of the heights before and beyond the step
+_LEAST_SD_PX = 0.25  # the blur of a step in intensity moves its half in absorption by 0.15 px; a cut is not square
+_GREATEST_SD_PX = 1.0  # beyond it an end is not seen
+_SAMPLES_IN_ONE = 4.0  # samples half a pixel apart, noise and ground that agree over two
 _BALL_MARGIN = 0.8  # of a profile's reach, kept free around a ball
 
 
 @dataclass(frozen=True, slots=True)
 class LineEnd:
-    """A measured end: x of the fiducial in the guide frame, mm, and how far beyond its projection it lies, px."""
+    """A measured end: x of the fiducial in the guide frame, mm; how far beyond its projection it lies, and sd, px."""
 
     x_mm: float
     excess_px: float
     amplitude: float
+    sd_px: float
 
 
 def measure_line_ends(
     view: View, guide: Guide, reader: ProfileReader, samples: WireSamples, balls: Array
 ) -> list[LineEnd]:
-    """Those ends that neither a ring nor a ball covers; excess is counted outwards along the line.
+    """Those ends that neither a ring nor a ball covers and that are clear to a pixel; excess counts outwards.
 
     Parameters
     ----------
@@ -61,7 +65,7 @@ def measure_line_ends(
         normals = np.broadcast_to((-along[1], along[0]), places.shape)
         end = _step_fit(x_mm, steps[free], reader.amplitude_at(places, normals)[free])
         # the step itself must be seen, not only both its sides
-        if free[np.abs(steps - end.excess_px) < _SEEN_AROUND_PX].all():
+        if end.sd_px <= _GREATEST_SD_PX and free[np.abs(steps - end.excess_px) < _SEEN_AROUND_PX].all():
             ends.append(end)
     return ends
 
@@ -88,5 +92,8 @@ def _step_fit(x_mm: float, steps: Array, amplitude: Array) -> LineEnd:
         held = np.array([(height - inner) / scale, ground / scale]) / _PLATEAU_SD * _STEP_SD
         return np.asarray(np.concatenate((left, held)))
 
-    solved = least_squares(excess, (0.0, inner, 0.0, 1.2), loss="soft_l1", f_scale=_STEP_SD).x
-    return LineEnd(x_mm, float(np.clip(solved[0], -_REACH_PX, _REACH_PX)), float(solved[1]))
+    solved = least_squares(excess, (0.0, inner, 0.0, 1.2), loss="soft_l1", f_scale=_STEP_SD)
+    left = excess(solved.x)[:-2]
+    by_place = float(np.linalg.pinv(solved.jac.T @ solved.jac)[0, 0])
+    sd_px = math.sqrt(_LEAST_SD_PX**2 + by_place * _SAMPLES_IN_ONE * float(np.mean(left**2)))
+    return LineEnd(x_mm, float(np.clip(solved.x[0], -_REACH_PX, _REACH_PX)), float(solved.x[1]), sd_px)

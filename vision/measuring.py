@@ -23,7 +23,6 @@ Array = NDArray[np.float64]
 
 FAINTEST = 0.35  # amplitude of an accepted place, of the median
 _STRONGEST = 3.0  # the same: darker is another thing
-_LINE_END_SD_PX = 0.6  # of the place of half absorption, on uneven ground; the ends are there to be judged
 _WORST_MISFIT = 0.5  # of its amplitude
 _FARTHEST = 0.8  # of a profile's reach: beyond it the crest found is another's
 _FARTHEST_PIECE = 0.3  # the same for a piece, whose shadow is shifted to the first order only
@@ -192,7 +191,7 @@ def _single_points(
 def _line_end_row(view: View, guide: Guide, end: LineEnd) -> tuple[float, ...]:
     outwards = _outwards(view, guide, end.x_mm)
     place = project(view, np.array([[end.x_mm, 0.0, 0.0]]))[0] + end.excess_px * outwards
-    return (end.x_mm, 0.0, 0.0, *place, *outwards, _LINE_END_SD_PX)
+    return (end.x_mm, 0.0, 0.0, *place, *outwards, end.sd_px)
 
 
 def _outwards(view: View, guide: Guide, x_mm: float) -> Array:

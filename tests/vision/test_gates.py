@@ -100,7 +100,7 @@ def test_points_without_weight_are_not_seen(fit: ContourFit) -> None:
     )
 
 
-END = LineEnd(66.0, 0.0, 0.5)
+END = LineEnd(66.0, 0.0, 0.5, 0.3)
 
 
 @pytest.mark.parametrize(("ends", "needed"), [([END], 16), ([], 28)])
@@ -115,9 +115,10 @@ def test_the_line_must_be_seen_and_better_where_no_end_is(fit: ContourFit, ends:
 
 
 def test_line_ends_in_place_pass_others_do_not() -> None:
-    near, off, faint = replace(END, excess_px=-1.49), replace(END, excess_px=1.51), replace(END, amplitude=0.1)
+    near, off, faint = replace(END, excess_px=-1.16), replace(END, excess_px=1.18), replace(END, amplitude=0.1)
     assert gates.check_line_ends([near, END], 0.2) is None
     assert gates.check_line_ends([], 0.2) is None
+    assert gates.check_line_ends([replace(off, sd_px=0.5)], 0.2) is None
     mismatch, missing = gates.check_line_ends([END, off], 0.2), gates.check_line_ends([END, faint], 0.2)
     assert mismatch is not None
     assert mismatch.code is RefusalCode.GUIDE_MISMATCH
