@@ -21,6 +21,7 @@ from vision.wire_model import sample_wires
 _LEAST_LINE_CONTRAST = 0.4  # of the rings' own
 _FINAL = frozenset({RefusalCode.MIRRORED, RefusalCode.AMBIGUOUS})  # looking harder changes nothing about these
 _HARDLY_THERE = 0.75  # of a ring's circumference with ridge points; arcs of other things reach 0.6
+_RING_SUPPORT = 0.6  # of a ring: what only looks like one has half of its circumference by chance
 _ONE_RING_WITHIN = 0.03  # of its size, in centre and axes
 _SAME_WITHIN_MM = 1.0  # refits of one guide agree far better, two guides cannot be so near
 _SAME_WITHIN_RAD = math.radians(3.0)
@@ -49,10 +50,14 @@ class Search:
 
 
 def search(image: CorrectedImage, scene: Scene, carm: CArm) -> Search:
-    """A quick search; where that finds no solution, a thorough one."""
+    """A quick search; a thorough one where that finds no solution, or a ring that the solution leaves over (H07)."""
     quick = _search(image, scene, carm, QUICK)
-    if isinstance(quick.outcome, Refusal) and quick.outcome.code not in _FINAL:
-        return _search(image, scene, carm, THOROUGH)
+    if isinstance(quick.outcome, Refusal):
+        return quick if quick.outcome.code in _FINAL else _search(image, scene, carm, THOROUGH)
+    owned = _rings_of(quick.outcome)
+    for ring in quick.candidates.rings:
+        if ring.support > _RING_SUPPORT and not any(_one_ring(ring.ellipse, own) for own in owned):
+            return _search(image, scene, carm, THOROUGH)
     return quick
 
 
@@ -73,13 +78,18 @@ def _is_remnant(pair: RingView, outcome: Solution | Refusal) -> bool:
     """Whether a pair is made of one ring of a guide that passed and of another that is hardly there."""
     if isinstance(outcome, Refusal) or min(pair.supports) > _HARDLY_THERE:
         return False
-    fit = outcome.fit
-    owned = (
+    both = itertools.product((pair.rings.small, pair.rings.big), _rings_of(outcome))
+    return any(_one_ring(found, ring) for found, ring in both)
+
+
+def _rings_of(solution: Solution) -> list[Ellipse]:
+    """The ellipses of a solution's rings."""
+    fit = solution.fit
+    conics = (
         ring_conic(fit.view, fit.guide.small_ring_radius_mm, 0.0),
         ring_conic(fit.view, fit.guide.big_ring_radius_mm, -fit.guide.separation_mm),
     )
-    both = itertools.product((pair.rings.small, pair.rings.big), map(ellipse_from_conic, owned))
-    return any(ring is not None and _one_ring(found, ring) for found, ring in both)
+    return [ellipse for ellipse in map(ellipse_from_conic, conics) if ellipse is not None]
 
 
 def _one_ring(one: Ellipse, other: Ellipse) -> bool:
