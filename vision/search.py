@@ -23,6 +23,7 @@ _FINAL = frozenset({RefusalCode.MIRRORED, RefusalCode.AMBIGUOUS})  # looking har
 _HARDLY_THERE = 0.75  # of a ring's circumference with ridge points; arcs of other things reach 0.6
 _RING_SUPPORT = 0.6  # of a ring: what only looks like one has half of its circumference by chance
 _ONE_RING_WITHIN = 0.03  # of its size, in centre and axes
+_BESIDE_RING = 0.12  # the same, of ellipses that follow the greater part of one ring and nothing else
 _SAME_WITHIN_MM = 1.0  # refits of one guide agree far better, two guides cannot be so near
 _SAME_WITHIN_RAD = math.radians(3.0)
 
@@ -56,7 +57,8 @@ def search(image: CorrectedImage, scene: Scene, carm: CArm) -> Search:
         return quick if quick.outcome.code in _FINAL else _search(image, scene, carm, THOROUGH)
     owned = _rings_of(quick.outcome)
     for ring in quick.candidates.rings:
-        if ring.support > _RING_SUPPORT and not any(_one_ring(ring.ellipse, own) for own in owned):
+        beside = not any(_one_ring(ring.ellipse, own, _BESIDE_RING) for own in owned)
+        if beside and ring.support > _RING_SUPPORT:
             return _search(image, scene, carm, THOROUGH)
     return quick
 
@@ -92,9 +94,9 @@ def _rings_of(solution: Solution) -> list[Ellipse]:
     return [ellipse for ellipse in map(ellipse_from_conic, conics) if ellipse is not None]
 
 
-def _one_ring(one: Ellipse, other: Ellipse) -> bool:
+def _one_ring(one: Ellipse, other: Ellipse, within: float = _ONE_RING_WITHIN) -> bool:
     apart = np.abs(np.subtract(one.centre_px + one.semi_axes_px, other.centre_px + other.semi_axes_px))
-    return bool(apart.max() < _ONE_RING_WITHIN * other.semi_axes_px[0])
+    return bool(apart.max() < within * other.semi_axes_px[0])
 
 
 def _attempt(first: FirstView, scene: Scene, image: CorrectedImage) -> Attempt:
