@@ -37,7 +37,7 @@ class Effort:
     refined: int
 
 
-QUICK = Effort(5_000, 40)  # enough for rings as conspicuous as they mostly are
+QUICK = Effort(3_000, 40)  # enough for rings as conspicuous as they mostly are
 THOROUGH = Effort(100_000, 150)  # a faint ring among 5,000 ridge points still gets tens of triples of its own
 
 
@@ -88,7 +88,7 @@ def ring_candidates(ridge: Ridge, axes: AxisRange, effort: Effort = THOROUGH) ->
     forms = _hypotheses(ridge, nearest, axes, effort.triples)
     support = nearest.support(forms, _SAMPLES, _LOOSE, _NORMALS_WITHIN)
     forms = forms[_different(forms, support, _LEAST_FIRST_SUPPORT, _ALIKE * ridge.spacing_px, effort)]
-    for within in (2.0 * _LOOSE, _LOOSE, _TIGHT):
+    for within in (2.0 * _LOOSE, _LOOSE, _LOOSE, _TIGHT):
         forms = nearest.refitted(forms, _FINE_SAMPLES, within, _NORMALS_WITHIN)
         forms = forms[axes.holds(forms)]
     support = nearest.support(forms, _FINE_SAMPLES, _TIGHT, _NORMALS_WITHIN)

@@ -24,6 +24,7 @@ SCALE_WITHIN = 0.3  # relative: distance by the rings' separation against distan
 # Eq. (10) by the ellipses' axes, with some hundredths of error; the ring planes are far from the source
 LEAST_DEPTH_RATIO, GREATEST_DEPTH_RATIO = 0.7, 1.05
 GREATEST_TILT_RAD = math.radians(50.0)  # for a first pose; the gate on the final one is tighter
+LEAST_LINE_CONTRAST = 0.4  # of the rings' own
 _DIRECTIONS = 360  # degrees: less than the line's width at its end
 _ON_LINE = 24
 _EVERY = 2  # sample of the line whose profile is read to compare directions
@@ -91,6 +92,8 @@ def first_views(pair: RingView, guide: Guide, directions: "LineDirections", read
     turns = np.linspace(0.0, 2.0 * math.pi, _DIRECTIONS, endpoint=False, dtype=np.float64)
     contrast = directions.across_lines(upright, guide, turns) / directions.across_rings(upright, guide)
     peaks = _peaks(contrast)
+    if len(peaks) == 1:
+        return [FirstView(_turned(upright, float(turns[peaks[0]])), float(contrast[peaks[0]]))]
     views = [_turned(upright, float(turns[index])) for index in peaks]
     firsts = [FirstView(view, float(contrast[index])) for view, index in zip(views, peaks, strict=True)]
     shares = _line_shares(views, guide, reader)
@@ -99,11 +102,13 @@ def first_views(pair: RingView, guide: Guide, directions: "LineDirections", read
 
 
 def _peaks(contrast: Array) -> list[int]:
-    """The few directions of greatest contrast, no two of them the same line's."""
+    """The greatest contrast's direction, and the next few that may be a line's, no two of them the same line's."""
     left, peaks = contrast.copy(), []
     around = np.arange(-_APART, _APART + 1)
     for _ in range(_MOST_DIRECTIONS):
         peak = int(np.argmax(left))
+        if peaks and left[peak] < LEAST_LINE_CONTRAST:
+            break
         peaks.append(peak)
         left[(peak + around) % len(left)] = -np.inf
     return peaks

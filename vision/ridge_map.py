@@ -13,7 +13,8 @@ Array = NDArray[np.float64]
 
 _REACH = 3  # spacings around each ridge point in which it is found
 _MARGIN = _REACH + 2  # spacings around all points; beyond it none is near
-_LINKED_WITHIN = 1.7  # spacings between neighbours on one ridge: a diagonal and some jitter
+_LINKED_WITHIN = 4.5  # spacings between neighbours on one ridge, which may go on behind a ball of the plate
+_BESIDE, _BENT = 0.6, 0.12  # of a spacing and of their distance: how far the next point may lie beside a tangent
 _BENT_WITHIN = 0.94  # cosine of the angle between neighbours' normals: 20 deg
 _LEAST_FOLLOWERS = 12  # places around an ellipse that a refit rests on: twice its parameters
 
@@ -76,7 +77,11 @@ class RidgeMap:
         """Number (n,) of the unbroken, smoothly bending piece of ridge that each point belongs to."""
         points, normals = self._ridge.points, self._ridge.normals
         pairs = KDTree(points).query_pairs(_LINKED_WITHIN * self._ridge.spacing_px, output_type="ndarray")
-        first, second = pairs[(np.abs((normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(axis=1)) > _BENT_WITHIN)].T
+        step = points[pairs[:, 1]] - points[pairs[:, 0]]
+        one, other = normals[pairs[:, 0]], normals[pairs[:, 1]]
+        reach = _BESIDE * self._ridge.spacing_px + _BENT * np.linalg.norm(step, axis=1)
+        linked = np.maximum(np.abs((step * one).sum(axis=1)), np.abs((step * other).sum(axis=1))) < reach
+        first, second = pairs[linked & (np.abs((one * other).sum(axis=1)) > _BENT_WITHIN)].T
         links = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(len(points), len(points)))
         return np.asarray(connected_components(links, directed=False)[1], dtype=np.intp)
 

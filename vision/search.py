@@ -11,14 +11,13 @@ from vision.conics import Ellipse, ellipse_from_conic
 from vision.corrected_image import CorrectedImage
 from vision.detection import QUICK, THOROUGH, Effort
 from vision.devices import CArm, Guide
-from vision.first_pose import FirstView, RingView, first_views
+from vision.first_pose import LEAST_LINE_CONTRAST, FirstView, RingView, first_views
 from vision.measuring import Scene
 from vision.projection import ring_conic
 from vision.refusal import Refusal, RefusalCode
 from vision.solution import Attempt, Solution, solve
 from vision.wire_model import sample_wires
 
-_LEAST_LINE_CONTRAST = 0.4  # of the rings' own
 _FINAL = frozenset({RefusalCode.MIRRORED, RefusalCode.AMBIGUOUS})  # looking harder changes nothing about these
 _HARDLY_THERE = 0.75  # of a ring's circumference with ridge points; arcs of other things reach 0.6
 _RING_SUPPORT = 0.6  # of a ring: what only looks like one has half of its circumference by chance
@@ -126,9 +125,9 @@ def _judged_first(first: FirstView, guide: Guide, image: CorrectedImage) -> Refu
     share = image.share_inside(sample_wires(first.view, guide).points)
     if share < 1.0:
         return Refusal(RefusalCode.GUIDE_CUT_OFF, "share of the guide's wires inside the field", share, 1.0)
-    if first.line_contrast < _LEAST_LINE_CONTRAST:
+    if first.line_contrast < LEAST_LINE_CONTRAST:
         message = "contrast of the indicator line against the rings'"
-        return Refusal(RefusalCode.LINE_MISSING, message, first.line_contrast, _LEAST_LINE_CONTRAST)
+        return Refusal(RefusalCode.LINE_MISSING, message, first.line_contrast, LEAST_LINE_CONTRAST)
     return None
 
 
