@@ -103,7 +103,8 @@ def first_views(pair: RingView, guide: Guide, directions: "LineDirections", read
 
 def _peaks(contrast: Array) -> list[int]:
     """The greatest contrast's direction, and the next few that may be a line's, no two of them the same line's."""
-    left, peaks = contrast.copy(), []
+    left = contrast.copy()
+    peaks: list[int] = []
     around = np.arange(-_APART, _APART + 1)
     for _ in range(_MOST_DIRECTIONS):
         peak = int(np.argmax(left))
