@@ -31,15 +31,14 @@ class Wanted:
 
 def page(connection: Connection, wanted: Wanted, after: int = 0, limit: int = 200) -> list[dict[str, Any]]:
     """Entries behind sequence `after`, oldest first, each with its hash."""
-    order: sa.ColumnElement[Any] = _LEDGER.sequence
-    query = sa.select(_LEDGER.entry, _LEDGER.sha256).where(*_conditions(connection, wanted))
-    if wanted.interlock is not None or wanted.hazard is not None:
-        query, order = _by_verdicts(connection, query, wanted, after)
     first, last = _bounds(connection, wanted)
-    query = query.where(_LEDGER.sequence > max(after, first - 1))
+    after, conditions = max(after, first - 1), _conditions(connection, wanted)
+    query = sa.select(_LEDGER.entry, _LEDGER.sha256).where(_LEDGER.sequence > after)
     if last is not None:
         query = query.where(_LEDGER.sequence < last)
-    rows = connection.execute(query.order_by(order).limit(limit))
+    if wanted.interlock is not None or wanted.hazard is not None:
+        conditions.append(_judged(connection, wanted, None if conditions else (after, limit)))
+    rows = connection.execute(query.where(*conditions).order_by(_LEDGER.sequence).limit(limit))
     return [json.loads(row.entry) | {"sha256": row.sha256} for row in rows]
 
 
@@ -54,18 +53,20 @@ def _actor(connection: Connection, name: str | None) -> str | None:
     return found or name
 
 
-def _by_verdicts(
-    connection: Connection, query: sa.Select[Any], wanted: Wanted, after: int
-) -> tuple[sa.Select[Any], sa.ColumnElement[Any]]:
-    """Through the index of verdicts: attempts are numbered in the order of their entries."""
+def _judged(connection: Connection, wanted: Wanted, place: tuple[int, int] | None) -> sa.ColumnElement[bool]:
+    """Entries whose attempt has such a verdict; those of one page alone where nothing else narrows them down.
+
+    Attempts are numbered in the order of their entries, so that the index of verdicts yields a page at once.
+    """
+    gave = [_VERDICTS.code == wanted.interlock] if wanted.interlock is not None else []
+    gave += [_VERDICTS.hazard == wanted.hazard] if wanted.hazard is not None else []
+    if place is None:
+        return sa.exists().where(_VERDICTS.attempt_id == _LEDGER.attempt_id, *gave)
+    after, limit = place
     earlier = sa.select(_LEDGER.attempt_id).where(_LEDGER.sequence <= after, _LEDGER.attempt_id.is_not(None))
     passed = connection.execute(earlier.order_by(_LEDGER.sequence.desc()).limit(1)).scalar() or 0
-    gave = [_VERDICTS.attempt_id > passed]
-    gave += [_VERDICTS.code == wanted.interlock] if wanted.interlock is not None else []
-    gave += [_VERDICTS.hazard == wanted.hazard] if wanted.hazard is not None else []
-    judged = sa.select(_VERDICTS.attempt_id).where(*gave).distinct().subquery()
-    joined = query.join_from(judged, tables.ledger, _LEDGER.attempt_id == judged.c.attempt_id)
-    return joined, judged.c.attempt_id
+    judged = sa.select(_VERDICTS.attempt_id).where(_VERDICTS.attempt_id > passed, *gave).distinct()
+    return _LEDGER.attempt_id.in_(judged.order_by(_VERDICTS.attempt_id).limit(limit))
 
 
 def _bounds(connection: Connection, wanted: Wanted) -> tuple[int, int | None]:
