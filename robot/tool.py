@@ -1,7 +1,7 @@
 """The TCP calibration file: where the guide is on the flange, what it weighs and how big it is."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from datetime import date
 
@@ -65,8 +65,9 @@ _TOLERANCES = {
 # How well a TCP is known that was calibrated with care (docs/method.md, two images).
 _CALIBRATION = {
     "translation_sd_mm": (0.1, (0.001, 5.0)),
-    "rotation_sd_deg": (0.05, (0.001, 5.0)),
+    "rotation_sd_deg": (0.05, (0.0001, 5.0)),
 }
+_CALIBRATION_RECORD = {"images", "residual_mm", "residual_deg", "cost_ratio"}  # what `calibrate-tcp` says of itself
 
 
 def read_tool(data: bytes) -> Tool:
@@ -80,7 +81,7 @@ def read_tool(data: bytes) -> Tool:
     file = parse_table(data, "TCP calibration")
     tcp, payload = subtable(file, "tcp"), subtable(file, "payload")
     tolerance = _optional(file, "tolerance", _TOLERANCES)
-    calibration = _optional(file, "calibration", _CALIBRATION)
+    calibration = _optional(file, "calibration", _CALIBRATION, _CALIBRATION_RECORD)
     return Tool(
         name=text(file, "name"),
         version=text(file, "version"),
@@ -99,10 +100,12 @@ def read_tool(data: bytes) -> Tool:
     )
 
 
-def _optional(file: Table, key: str, known: Mapping[str, tuple[float, tuple[float, float]]]) -> dict[str, float]:
+def _optional(
+    file: Table, key: str, known: Mapping[str, tuple[float, tuple[float, float]]], unread: Set[str] = frozenset()
+) -> dict[str, float]:
     """A table that may be left out, each of its numbers with a default and a range."""
     given = subtable(file, key) if key in file else {}
-    refuse_unknown(given, f"[{key}]", set(known))
+    refuse_unknown(given, f"[{key}]", set(known) | unread)
     return {name: number(given, name, allowed, default) for name, (default, allowed) in known.items()}
 
 

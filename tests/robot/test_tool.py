@@ -87,3 +87,13 @@ def test_missing_or_implausible_value_is_named_in_one_line(before: str, after: s
 def test_what_is_no_such_file_is_refused(data: bytes) -> None:
     with pytest.raises(ValueError):
         read_tool(data)
+
+
+def test_the_calibrations_own_uncertainty_is_read_beside_what_it_records() -> None:
+    calibration = "[calibration]\nimages = 10\ntranslation_sd_mm = 0.3\nrotation_sd_deg = 0.1\ncost_ratio = 1.1\n"
+    tool = read_tool((FILE + calibration).encode())
+    assert tool.calibration_sd_mm == 0.3
+    assert tool.calibration_sd_rad == pytest.approx(np.deg2rad(0.1))
+    assert read_tool(FILE.encode()).calibration_sd_mm == 0.1  # of a careful calibration
+    with pytest.raises(ValueError, match="translation_sd is unknown"):
+        read_tool((FILE + calibration.replace("translation_sd_mm", "translation_sd")).encode())
