@@ -69,18 +69,26 @@ def aligned(pairs: Sequence[RingView], guide: Guide, priors: Priors) -> list[Rin
     views = _arrays([pair.view for pair in pairs])
     places = np.array([[_around(pair.rings.small), _around(pair.rings.big)] for pair in pairs])
     every = np.repeat(places, len(_WAYS), axis=0)
-    for _ in range(_ROUNDS):
-        around = _residual(views.repeated(len(_WAYS)).moved(np.tile(_WAYS, (len(pairs), 1))), every, guide, priors)
-        around = around.reshape(len(pairs), len(_WAYS), -1)
-        here = around[:, 0]
-        jacobian = ((around[:, 1:] - around[:, :1]) / _DIFFERENCE).swapaxes(1, 2)
-        gradient = (jacobian.swapaxes(1, 2) @ here[:, :, None])[:, :, 0]
-        step = np.linalg.solve(jacobian.swapaxes(1, 2) @ jacobian, gradient[:, :, None])[:, :, 0]
-        views = views.moved(np.asarray(-step, dtype=np.float64))
-    off_px = np.sqrt((_misfit_px(views, places, guide) ** 2).mean(axis=(1, 2)))
+    # a pair that cannot be the guide's may run away, and is left out by its misfit; the others must not notice
+    with np.errstate(all="ignore"):
+        for _ in range(_ROUNDS):
+            around = _residual(views.repeated(len(_WAYS)).moved(np.tile(_WAYS, (len(pairs), 1))), every, guide, priors)
+            views = views.moved(_step(around.reshape(len(pairs), len(_WAYS), -1)))
+        off_px = np.sqrt((_misfit_px(views, places, guide) ** 2).mean(axis=(1, 2)))
     sizes_px = np.array([pair.rings.small.semi_axes_px[0] for pair in pairs])
     fits = off_px < _WORST_SHARE * sizes_px
     return [replace(pair, view=_view(views, index)) for index, pair in enumerate(pairs) if fits[index]]
+
+
+def _step(around: Array) -> Array:
+    """Steps (p, 8) of Gauss and Newton from residuals (p, 9, r), the first at the views, the others a way off."""
+    here = around[:, 0]
+    jacobian = ((around[:, 1:] - around[:, :1]) / _DIFFERENCE).swapaxes(1, 2)
+    gradient = (jacobian.swapaxes(1, 2) @ here[:, :, None])[:, :, 0]
+    normal = jacobian.swapaxes(1, 2) @ jacobian
+    sound = np.isfinite(normal).all(axis=(1, 2)) & np.isfinite(gradient).all(axis=1)
+    normal[~sound], gradient[~sound] = np.eye(len(_SCALES)), np.nan
+    return np.asarray(-np.linalg.solve(normal, gradient[:, :, None])[:, :, 0])
 
 
 def _residual(views: _Views, places: Array, guide: Guide, priors: Priors) -> Array:
@@ -104,11 +112,17 @@ def _misfit_px(views: _Views, places: Array, guide: Guide) -> Array:
     for ring, (radius_mm, z_mm) in enumerate(zip(radii, (0.0, -guide.separation_mm), strict=True)):
         source_from_plane = views.rotation.copy()
         source_from_plane[:, :, 2] = views.rotation[:, :, 2] * z_mm + views.translation
-        on_plane = places[:, ring] @ np.linalg.inv(matrix @ source_from_plane).swapaxes(1, 2)
+        on_plane = places[:, ring] @ _adjugate_transposed(matrix @ source_from_plane)
         distance_mm = np.hypot(on_plane[:, :, 0], on_plane[:, :, 1]) / on_plane[:, :, 2]
         per_mm = views.intrinsics[:, 0] / source_from_plane[:, 2, 2]
         misfit.append((distance_mm - radius_mm) * per_mm[:, None])
     return np.stack(misfit, axis=1)
+
+
+def _adjugate_transposed(matrices: Array) -> Array:
+    """Of (p, 3, 3): the inverses' transposes but for a factor, and defined where a matrix has no inverse."""
+    first, second, third = np.moveaxis(matrices, 1, 0)
+    return np.stack((np.cross(second, third), np.cross(third, first), np.cross(first, second)), axis=1)
 
 
 def _around(ellipse: Ellipse) -> Array:
