@@ -85,7 +85,7 @@ lock:  ## resolve the three lock files anew (needs uv)
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --extra build --extra test \
 	  -c requirements.lock pyproject.toml -o requirements-test.lock
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --extra bench \
-	  --no-emit-package opencv-python-headless -c requirements.lock pyproject.toml -o requirements-bench.lock
+	  --no-emit-package opencv-python-headless -c requirements.lock pyproject.toml -o benchmarks/side_by_side/requirements.lock
 
 $(VENV)/.runtime: requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || \
@@ -100,7 +100,7 @@ $(VENV)/.test: $(VENV)/.runtime requirements-test.lock
 	@touch $@
 
 # A venv of its own: opencv-contrib, which has the ellipse finders, installs the same cv2 as opencv-python-headless.
-$(BENCH_VENV)/.ready: requirements-bench.lock
+$(BENCH_VENV)/.ready: benchmarks/side_by_side/requirements.lock
 	$(PYTHON) -m venv --clear $(BENCH_VENV)
-	$(BENCH_VENV)/bin/pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r requirements-bench.lock
+	$(BENCH_VENV)/bin/pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r benchmarks/side_by_side/requirements.lock
 	@touch $@
