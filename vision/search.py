@@ -72,7 +72,19 @@ def _search(image: CorrectedImage, scene: Scene, carm: CArm, effort: Effort) -> 
             firsts = first_views(pair, scene.guide, candidates.directions, scene.reader)
             attempts += [_attempt(first, scene, image) for first in firsts]
     passed = _passed(attempts)
-    return Search(candidates, attempts, passed, _only_outcome(passed, attempts))
+    outcome = _only_outcome(passed, attempts)
+    if not isinstance(outcome, Refusal) and any(_is_other_guide(pair, outcome) for pair in candidates.pairs):
+        message = "guides seen in the image, by their rings"
+        outcome = Refusal(RefusalCode.AMBIGUOUS, message, 2, 1)
+    return Search(candidates, attempts, passed, outcome)
+
+
+def _is_other_guide(pair: RingView, solution: Solution) -> bool:
+    """Whether both rings of a pair are clearly there and neither is the solution's, whatever became of its line."""
+    owned = _rings_of(solution)
+    found = (pair.rings.small, pair.rings.big)
+    beside = not any(_one_ring(ring, own, _BESIDE_RING) for ring in found for own in owned)
+    return beside and min(pair.supports) > _HARDLY_THERE
 
 
 def _is_remnant(pair: RingView, outcome: Solution | Refusal) -> bool:
