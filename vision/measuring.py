@@ -17,7 +17,7 @@ from vision.profiles import ProfileReader
 from vision.projection import View, project
 from vision.refusal import Refusal, RefusalCode
 from vision.view_fit import Observations
-from vision.wire_model import Wire, WireSamples, sample_wires
+from vision.wire_model import Wire, WireSamples, points_in_guide, sample_wires
 
 Array = NDArray[np.float64]
 
@@ -28,6 +28,8 @@ _FARTHEST = 0.8  # of a profile's reach: beyond it the crest found is another's
 _FARTHEST_PIECE = 0.3  # the same for a piece, whose shadow is shifted to the first order only
 _BALL_MARGIN = 0.8  # of the profile's reach, kept free around a ball
 _LEAST_SHARE = 0.08  # of the wires' places: fewer cannot hold 13 parameters against clutter
+_AROUND = 12  # places around each ring, to see whether a view is in the image at all
+_LEAST_IN_IMAGE = 0.5  # of them; a view that is nearly right has all
 _EVERY = 6  # px along the wires between profiles of the rough measurement
 
 
@@ -88,8 +90,10 @@ def find(view: View, guide: Guide, scene: Scene, ends: list[LineEnd]) -> Measure
     Returns
     -------
     Measured or Refusal
-        `no_guide_found` where hardly a place looks like a wire.
+        `no_guide_found` where hardly a place looks like a wire, `guide_cut_off` where hardly one is in the image.
     """
+    if (away := _ran_away(view, guide, scene)) is not None:
+        return away
     everywhere = sample_wires(view, guide)
     samples = everywhere.chosen(np.arange(len(everywhere.along)) % _EVERY == 0)
     places = samples.chosen(_uncrossed(samples, everywhere, scene))
@@ -122,13 +126,30 @@ def measure(
     Returns
     -------
     Measured or Refusal
-        `no_guide_found` where hardly a place looks like a wire.
+        `no_guide_found` where hardly a place looks like a wire, `guide_cut_off` where hardly one is in the image.
     """
+    if (away := _ran_away(view, guide, scene)) is not None:
+        return away
     pieces = cut_pieces(view, guide, scene.plate, scene.values, shadows_in(scene, amplitude))
     offsets = measure_offsets(pieces, amplitude, scene.blur_px)
     uncrossed = _uncrossed(pieces.samples, sample_wires(view, guide), scene)
     single = _single_points(view, guide, ends, bead)
     return _accepted(pieces.samples, uncrossed, offsets, _FARTHEST_PIECE * scene.reader.reach_px, single)
+
+
+def _ran_away(view: View, guide: Guide, scene: Scene) -> Refusal | None:
+    """Whether a fit to something else has taken the guide out of the image, where nothing can be measured."""
+    turn = np.linspace(0.0, 2.0 * np.pi, _AROUND, endpoint=False)
+    rings = [np.full(_AROUND, ring, dtype=np.intp) for ring in (Wire.SMALL_RING, Wire.BIG_RING)]
+    places = np.vstack([points_in_guide(guide, ring, turn) for ring in rings])
+    in_front = places @ view.source_from_guide[2, :3] + view.source_from_guide[2, 3] > 0.0
+    points = project(view, places[in_front])
+    inside = ((points >= 0.0) & (points < scene.values.shape[::-1])).all(axis=1)
+    share = float(inside.sum()) / len(places)
+    if share < _LEAST_IN_IMAGE:
+        message = "share of the guide's rings inside the image"
+        return Refusal(RefusalCode.GUIDE_CUT_OFF, message, share, _LEAST_IN_IMAGE)
+    return None
 
 
 def _accepted(

@@ -112,7 +112,13 @@ def _one_ring(one: Ellipse, other: Ellipse, within: float = _ONE_RING_WITHIN) ->
 
 def _attempt(first: FirstView, scene: Scene, image: CorrectedImage) -> Attempt:
     refusal = _judged_first(first, scene.guide, image)
-    return solve(first, scene) if refusal is None else Attempt(first, None, refusal)
+    if refusal is not None:
+        return Attempt(first, None, refusal)
+    try:
+        return solve(first, scene)
+    except np.linalg.LinAlgError:  # what looked like a guide and runs away in the fit is none
+        message = "a view that the guide file cannot explain at all: solutions found"
+        return Attempt(first, None, Refusal(RefusalCode.GUIDE_MISMATCH, message, 0, 1))
 
 
 def _passed(attempts: list[Attempt]) -> list[Attempt]:

@@ -137,14 +137,21 @@ def shifted_tcp(case, controller, until):
     """Shift the controller's TCP setting by so many mm, which the guard sees as a displaced arm."""
     right = controller.state().flange_from_tcp
 
+    def displaced() -> int:
+        return sum(event["trigger"] == "arm_disturbed" for event in case.record())
+
+    def set_tcp(flange_from_tcp: np.ndarray) -> None:
+        before = displaced()
+        controller.set_tcp(flange_from_tcp)
+        until(lambda: displaced() > before)  # else the next plan, or the next case, would be met by it
+
     def shift(offset_mm: float) -> None:
         wrong = right.copy()
         wrong[0, 3] += offset_mm
-        controller.set_tcp(wrong)
-        until(lambda: "arm_disturbed" in {event["trigger"] for event in case.record()})
+        set_tcp(wrong)
 
     yield shift
-    controller.set_tcp(right)
+    set_tcp(right)
 
 
 def test_a_grossly_wrong_tcp_is_no_plan(lift, shifted_tcp) -> None:

@@ -1,0 +1,53 @@
+"""A search through an image in which a candidate goes wrong: refused with a reason, never a failure."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from simulator.carm.drawing import random_scene
+from simulator.carm.quick_render import render_quickly
+from vision import search
+from vision.devices import CArm, Guide
+from vision.measuring import Scene, find, measure
+from vision.refusal import Refusal, RefusalCode
+from vision.registration import examine
+from vision.solution import solve
+from vision.xray import XrayImage
+
+
+@pytest.fixture(scope="module")
+def image() -> XrayImage:
+    """A flat panel's image of the guide."""
+    pixels = render_quickly(random_scene(4, "flat"), 4).pixels
+    return XrayImage(pixels.astype(np.float32) / 255.0, 8, "0" * 64)
+
+
+def test_a_view_that_degenerates_in_the_fit_is_refused(
+    image: XrayImage, guide: Guide, flat_panel: CArm, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def degenerate(*_: Any) -> None:
+        raise np.linalg.LinAlgError("Singular matrix")
+
+    monkeypatch.setattr(search, "solve", degenerate)
+    result = examine(image, guide, flat_panel).result
+    assert isinstance(result, Refusal)
+    assert result.code is RefusalCode.GUIDE_MISMATCH
+
+
+@pytest.mark.parametrize("translation_mm", [(9e4, 9e4, 750.0), (10.0, -5.0, 1e-3), (10.0, -5.0, -750.0)])
+def test_a_view_that_ran_out_of_the_image_has_nothing_to_be_measured(
+    translation_mm: tuple[float, float, float],
+    image: XrayImage,
+    guide: Guide,
+    flat_panel: CArm,
+    monkeypatch: pytest.MonkeyPatch,
+    make_view: Any,
+) -> None:
+    scenes: list[Scene] = []
+    monkeypatch.setattr(search, "solve", lambda first, scene: scenes.append(scene) or solve(first, scene))
+    examine(image, guide, flat_panel)
+    away = make_view(5.0, translation_mm=translation_mm)
+    for measured in (measure(away, guide, scenes[0], 0.1, [], None), find(away, guide, scenes[0], [])):
+        assert isinstance(measured, Refusal)
+        assert measured.code is RefusalCode.GUIDE_CUT_OFF
