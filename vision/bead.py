@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from vision.devices import Bead
 from vision.profiles import ProfileReader
@@ -21,6 +22,7 @@ LEAST_AMPLITUDE = 0.35  # of what the wires' absorption predicts for the bead's 
 LEAST_EXPLAINED = 0.25  # share of the patch's variation that the bead must explain; a bone edge across it may hold more
 CLEAR_WIN = 20.0  # difference of the logarithms of the two likelihoods
 _PATCH = 1.8  # half side, in bead radii
+_LEAST_SIZE = 1e-9  # of the ground's largest direction; below it a column says what others say
 _SEARCH_PX = 3.0  # around the predicted place: the first pose's error at the bead
 
 
@@ -99,42 +101,41 @@ def _evidence(
     steps = np.arange(-reach, reach + 1.0)
     grid = np.column_stack([axis.ravel() for axis in np.meshgrid(steps, steps)]) + predicted
     values, ground = reader.values_at(grid), _ground(grid, reader, crossing)
-    without = _sum_of_squares(ground, values)[0]
-    best, centre = math.inf, predicted
-    amplitude = 0.0
+    left, held = values - ground @ (ground.T @ values), math.inf
+    without, centre, amplitude = float(left @ left), predicted, 0.0
     for spacing_px in (1.0, 0.3, 0.1):
         reach_steps = _SEARCH_PX / spacing_px if spacing_px == 1.0 else 3.0
         offsets = np.arange(-reach_steps, reach_steps + 1.0) * spacing_px
-        for shift in np.column_stack([axis.ravel() for axis in np.meshgrid(offsets, offsets)]) + centre:
-            shadow = _shadow(grid - shift, radius_px, reader.crest_sd_px)
-            left, solved = _sum_of_squares(np.column_stack((shadow, ground)), values)
-            if left < best and solved[0] > 0.0:
-                best, amplitude, centre = left, float(solved[0]), shift
-    share = min(1.0, best / max(without, 1e-12))
+        shifts = np.column_stack([axis.ravel() for axis in np.meshgrid(offsets, offsets)]) + centre
+        shadows = _shadow(grid - shifts[:, None], radius_px, reader.crest_sd_px)
+        shadows -= (shadows @ ground) @ ground.T
+        # least squares of one column beside the ground's: what it takes away, and by how much of it
+        match, size = shadows @ left, np.maximum((shadows**2).sum(axis=1), 1e-12)
+        remaining = np.where(match > 0.0, without - match**2 / size, math.inf)
+        best = int(np.argmin(remaining))
+        if remaining[best] < held:
+            held, centre, amplitude = float(remaining[best]), shifts[best], float(match[best] / size[best])
+    share = min(1.0, held / max(without, 1e-12))
     log_ratio = -0.5 * len(values) * math.log(max(share, 1e-6))
     return BeadEvidence(centre, amplitude / expected, 1.0 - share, log_ratio)
 
 
 def _ground(grid: Array, reader: ProfileReader, crossing: Crossing) -> Array:
-    """Columns of what may be there besides the bead: a sloping ground, wires, balls."""
+    """Orthonormal columns of what may be there besides the bead: a sloping ground, wires, balls."""
     centred = grid - grid.mean(axis=0)
     columns = [np.ones(len(grid)), centred[:, 0], centred[:, 1]]
     near = crossing.wires[np.linalg.norm(crossing.wires - grid.mean(axis=0), axis=1) < 2.0 * np.abs(centred).max()]
     if len(near):
-        distance = np.min(np.linalg.norm(grid[:, None] - near[None], axis=2), axis=1)
+        distance, _ = KDTree(near).query(grid)
         columns.append(np.exp(-(distance**2) / (2.0 * reader.crest_sd_px**2)))
     for u, v, radius_px in crossing.balls:
         if np.abs((u, v) - grid.mean(axis=0)).max() < np.abs(centred).max() + radius_px:
             columns.append(_shadow(grid - (u, v), radius_px, reader.crest_sd_px))
-    return np.column_stack(columns)
+    directions, sizes, _ = np.linalg.svd(np.column_stack(columns), full_matrices=False)
+    return np.asarray(directions[:, sizes > _LEAST_SIZE * sizes[0]], dtype=np.float64)
 
 
 def _shadow(offset: Array, radius_px: float, blur_px: float) -> Array:
     """A ball's shadow, 1 at its centre: the chord through a sphere, its rim softened by the image's blur."""
-    share = np.linalg.norm(offset, axis=1) / math.hypot(radius_px, blur_px)
+    share = np.linalg.norm(offset, axis=-1) / math.hypot(radius_px, blur_px)
     return np.asarray(np.sqrt(np.clip(1.0 - share**2, 0.0, None)), dtype=np.float64)
-
-
-def _sum_of_squares(design: Array, values: Array) -> tuple[float, Array]:
-    solved = np.asarray(np.linalg.lstsq(design, values, rcond=None)[0], dtype=np.float64)
-    return float(((values - design @ solved) ** 2).sum()), solved
