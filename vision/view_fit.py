@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 Whitening = Callable[[Array], Array]  # (n, ...) of the places in their standard deviations, independent of one another
 
 _GREATEST_STEPS, _HALVINGS = 12, 6
+_RUNAWAY = 500.0  # of the scales below: a radian, or a quarter of a metre across; no first view is that far off
 _SETTLED = 1e-4  # squared standard deviations of the solution: a step of a hundredth of them moves nothing
 
 
@@ -54,12 +55,19 @@ def solve_view(
     """One least-squares solution for a given noise of the places on the wires.
 
     Gauss-Newton, a step halved while it makes things worse: near the solution the projection is almost linear.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If there is no finite step: the view is far from anything that the places can be of.
     """
     left = _in_deviations(view, guide, observations, priors, whitened)
     for _ in range(_GREATEST_STEPS):
         scaled = design(view, guide, observations, priors, whitened) * _SCALES
         downhill = -scaled.T @ left
         move = np.linalg.solve(scaled.T @ scaled, downhill)
+        if not np.abs(move).max() < _RUNAWAY:  # nan too
+            raise np.linalg.LinAlgError("the fit of a view runs away")
         for _ in range(_HALVINGS):
             ahead = _moved(view, guide, move * _SCALES)
             left_ahead = _in_deviations(*ahead, observations, priors, whitened)

@@ -4,15 +4,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from simulator.carm.drawing import random_scene
 from simulator.carm.quick_render import render_quickly
-from vision import search
+from vision import search, view_fit
 from vision.devices import CArm, Guide
 from vision.measuring import Scene, find, measure
 from vision.refusal import Refusal, RefusalCode
 from vision.registration import examine
 from vision.solution import solve
+from vision.view_fit import design
 from vision.xray import XrayImage
 
 
@@ -51,3 +53,15 @@ def test_a_view_that_ran_out_of_the_image_has_nothing_to_be_measured(
     for measured in (measure(away, guide, scenes[0], 0.1, [], None), find(away, guide, scenes[0], [])):
         assert isinstance(measured, Refusal)
         assert measured.code is RefusalCode.GUIDE_CUT_OFF
+
+
+def test_a_fit_without_a_finite_step_says_so(
+    image: XrayImage, guide: Guide, flat_panel: CArm, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def nowhere(*arguments: Any) -> NDArray[np.float64]:
+        return np.full_like(design(*arguments), np.nan)
+
+    monkeypatch.setattr(view_fit, "design", nowhere)
+    result = examine(image, guide, flat_panel).result
+    assert isinstance(result, Refusal)
+    assert result.code is RefusalCode.GUIDE_MISMATCH
