@@ -22,15 +22,16 @@ from vision.refusal import Refusal
 
 GROUPS = ("ii", "steep", "strong", "flat")
 WRONG_DEG, WRONG_MM = 0.5, 1.0
-_DEVICES = Path(__file__).parents[1] / "simulator" / "devices"
+_ROOT = Path(__file__).parents[1]
+_GUIDE = read_guide((_ROOT / "tests" / "devices" / "guide.toml").read_bytes())  # the reference guide and its tolerances
+_CARMS = _ROOT / "simulator" / "devices"
 
 
 def scene(group: str, seed: int) -> Sample:
-    """A rendered scene with its truth and the room's device files."""
+    """A rendered scene with its truth, the reference guide's file and the room's C-arm's."""
     image = render(random_scene(seed, group), seed)
     carm = "carm-flat-panel.toml" if group == "flat" else "carm-intensifier.toml"
-    guide_file, carm_file = (_DEVICES / "guide.toml").read_bytes(), (_DEVICES / carm).read_bytes()
-    return Sample(f"{group}:{seed}", image.pixels, image.truth, read_guide(guide_file), read_carm(carm_file))
+    return Sample(f"{group}:{seed}", image.pixels, image.truth, _GUIDE, read_carm((_CARMS / carm).read_bytes()))
 
 
 def line(group: str, scores: Sequence[Score], count: int) -> str:

@@ -24,9 +24,9 @@ def refuse_model(line: Line, nominal: Transform, limits: PathLimits) -> Refusal 
 
 def refuse_extent(line: Line, limits: PathLimits) -> Refusal | None:
     """One held motion goes only so far (H12)."""
-    if line.length_mm > limits.length_mm:
+    if not line.length_mm <= limits.length_mm:
         return Refusal(RefusalCode.PATH_TOO_LONG, "length of the path (mm)", line.length_mm, limits.length_mm)
-    if line.angle_rad > limits.angle_rad:
+    if not line.angle_rad <= limits.angle_rad:
         return Refusal(RefusalCode.PATH_TOO_LONG, "turn along the path (rad)", line.angle_rad, limits.angle_rad)
     return None
 
@@ -56,12 +56,12 @@ def refuse_steps(line: Line, pace: Pace, joints_rad: Array, limits: PathLimits) 
     steps_rad = np.abs(np.diff(joints_rad, axis=0)).max(axis=1)
     index = int(steps_rad.argmax())
     where = f"at sample {index + 1} of {len(steps_rad)}"
-    if steps_rad[index] > limits.joint_jump_rad:
+    if not steps_rad[index] <= limits.joint_jump_rad:
         message = f"the joints jump to another branch {where} (rad)"
         return Refusal(RefusalCode.JOINT_JUMP, message, float(steps_rad[index]), limits.joint_jump_rad)
     step_mm = max(line.length_mm, line.angle_rad * limits.turn_lever_mm) / len(steps_rad)
     speed_rad_s = float(steps_rad[index] * pace.speed_mm_s / step_mm) if step_mm > 0.0 else 0.0
-    if speed_rad_s > limits.joint_speed_rad_s:
+    if not speed_rad_s <= limits.joint_speed_rad_s:
         message = f"a joint would have to turn too fast {where} (rad/s)"
         return Refusal(RefusalCode.JOINT_SPEED, message, speed_rad_s, limits.joint_speed_rad_s)
     return None

@@ -38,7 +38,7 @@ _SECTORS = 72
 def check_scale(fitted_mm: float, file_mm: float) -> Refusal | None:
     """H06: the pixel size that the plate shows against the C-arm file's."""
     off = abs(fitted_mm / file_mm - 1.0)
-    if off > GREATEST_SCALE_OFF:
+    if not off <= GREATEST_SCALE_OFF:
         message = "the pixel size by the plate contradicts the C-arm file (relative)"
         return Refusal(RefusalCode.SCALE_MISMATCH, message, off, GREATEST_SCALE_OFF)
     return None
@@ -46,7 +46,7 @@ def check_scale(fitted_mm: float, file_mm: float) -> Refusal | None:
 
 def check_residual(fit: ContourFit) -> Refusal | None:
     """The noise of the accepted points about the model, px."""
-    if fit.noise_px > GREATEST_RESIDUAL_PX:
+    if not fit.noise_px <= GREATEST_RESIDUAL_PX:
         message = "ridge points scatter about the fitted wires (px)"
         return Refusal(RefusalCode.RESIDUAL_TOO_HIGH, message, fit.noise_px, GREATEST_RESIDUAL_PX)
     return None
@@ -92,8 +92,8 @@ def check_tilt(view: View) -> Refusal | None:
     """The guide's axis against the ray through the small ring's centre."""
     pose = view.source_from_guide
     cosine = float(pose[:3, 2] @ pose[:3, 3] / np.linalg.norm(pose[:3, 3]))
-    tilt_rad = math.acos(max(-1.0, min(1.0, cosine)))
-    if tilt_rad > GREATEST_TILT_RAD:
+    tilt_rad = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    if not tilt_rad <= GREATEST_TILT_RAD:
         message = "the guide's axis is too far from the beam (deg)"
         return Refusal(RefusalCode.GUIDE_MISMATCH, message, math.degrees(tilt_rad), math.degrees(GREATEST_TILT_RAD))
     return None
@@ -140,7 +140,7 @@ def check_line(fit: ContourFit, observations: Observations, places: WireSamples,
 
 def check_line_ends(ends: list[LineEnd], least_amplitude: float) -> Refusal | None:
     """The line must end where the guide file says, wherever an end can be measured."""
-    faint = [end.amplitude for end in ends if end.amplitude < least_amplitude]
+    faint = [end.amplitude for end in ends if not end.amplitude >= least_amplitude]
     if faint:
         message = "absorption of the indicator line at its end"
         return Refusal(RefusalCode.LINE_MISSING, message, min(faint), least_amplitude)

@@ -160,51 +160,17 @@ def _seen_to_move(judged: Trigger) -> Entries:
     """Rows of a verification image in which the C-arm, the base or the patient is seen to have moved."""
     view = (do.void_view_keeping_passed, do.forget_images)
     patient = (do.void_from(Link.IMAGE), do.forget_images)
-    held = (Effect.ALARM,)
-    return (
-        _row(
-            30,
-            judged,
-            [S.MOVED],
-            Goto.SETTLE,
-            *view,
-            on=[B.VIEW_MOVED],
-            settles_to=[S.CASE_OPEN],
-            taken_as=T.CARM_MOVED,
-        ),
-        _row(
-            34,
-            judged,
-            [S.SAFE_HOLD],
-            Goto.SAME,
-            *view,
-            do.flag_insertion,
-            on=[B.VIEW_MOVED],
-            effects=held,
-            taken_as=T.CARM_MOVED,
-        ),
-        _row(
-            31,
-            judged,
-            [S.MOVED],
-            Goto.SETTLE,
-            *patient,
-            on=[B.PATIENT_SHIFTED],
-            settles_to=[S.CARM_POSITIONED],
-            taken_as=T.PATIENT_MOVED,
-        ),
-        _row(
-            34,
-            judged,
-            [S.SAFE_HOLD],
-            Goto.SAME,
-            *patient,
-            do.flag_insertion,
-            on=[B.PATIENT_SHIFTED],
-            effects=held,
-            taken_as=T.PATIENT_MOVED,
-        ),
-    )
+    entries: list[Row | Unlisted] = []
+    for number, branch, changes, settled, moved in (
+        (30, B.VIEW_MOVED, view, S.CASE_OPEN, T.CARM_MOVED),
+        (31, B.PATIENT_SHIFTED, patient, S.CARM_POSITIONED, T.PATIENT_MOVED),
+    ):
+        on, held = [branch], (*changes, do.flag_insertion)
+        entries += (
+            _row(number, judged, [S.MOVED], Goto.SETTLE, *changes, on=on, settles_to=[settled], taken_as=moved),
+            _row(34, judged, [S.SAFE_HOLD], Goto.SAME, *held, on=on, effects=(Effect.ALARM,), taken_as=moved),
+        )
+    return tuple(entries)
 
 
 VERIFICATION_ROWS: Entries = (

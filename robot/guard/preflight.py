@@ -1,4 +1,7 @@
-"""What must hold before a motion is put on the wire; pure. The first thing that does not is the refusal."""
+"""What must hold before a motion is put on the wire; pure. The first thing that does not is the refusal.
+
+Every limit is asked as "not within", so that what is no number is refused.
+"""
 
 import numpy as np
 
@@ -32,10 +35,10 @@ def refuse_arm(move: BeginMove, reading: ArmState) -> Refusal | None:
 def refuse_tcp(move: BeginMove, flange_from_tcp: Transform) -> Refusal | None:
     """Refusal of a motion for the TCP that the controller has active (H10)."""
     offset_mm, angle_rad = distance_between(move.flange_from_guide, flange_from_tcp)
-    if offset_mm > move.tcp_tolerance_mm:
+    if not offset_mm <= move.tcp_tolerance_mm:
         message = "the controller's TCP is not the calibrated one (mm)"
         return Refusal(RefusalCode.TCP_MISMATCH, message, offset_mm, move.tcp_tolerance_mm)
-    if angle_rad > move.tcp_tolerance_rad:
+    if not angle_rad <= move.tcp_tolerance_rad:
         message = "the controller's TCP is not the calibrated one (rad)"
         return Refusal(RefusalCode.TCP_MISMATCH, message, angle_rad, move.tcp_tolerance_rad)
     return None
@@ -43,9 +46,9 @@ def refuse_tcp(move: BeginMove, flange_from_tcp: Transform) -> Refusal | None:
 
 def _refuse_pace(move: BeginMove) -> Refusal | None:
     """Whatever was planned and approved, faster is not put on the wire (H12)."""
-    if move.speed_mm_s > SPEED_CAP_MM_S:
+    if not move.speed_mm_s <= SPEED_CAP_MM_S:
         return Refusal(RefusalCode.SPEED_ABOVE_CAP, "speed of the motion (mm/s)", move.speed_mm_s, SPEED_CAP_MM_S)
-    if move.acceleration_mm_s2 > ACCELERATION_CAP_MM_S2:
+    if not move.acceleration_mm_s2 <= ACCELERATION_CAP_MM_S2:
         message = "acceleration of the motion (mm/s2)"
         return Refusal(RefusalCode.ACCELERATION_ABOVE_CAP, message, move.acceleration_mm_s2, ACCELERATION_CAP_MM_S2)
     return None
@@ -54,9 +57,9 @@ def _refuse_pace(move: BeginMove) -> Refusal | None:
 def _refuse_extent(move: BeginMove, reading: ArmState) -> Refusal | None:
     """Nor further, counted from where the arm is; it may have drifted since the plan as far as counts for nothing."""
     offset_mm, angle_rad = distance_between(reading.base_from_tcp, move.base_from_goal)
-    if offset_mm > LENGTH_CAP_MM + DISTURBED_MM:
+    if not offset_mm <= LENGTH_CAP_MM + DISTURBED_MM:
         return Refusal(RefusalCode.MOVE_TOO_FAR, "way to the goal (mm)", offset_mm, LENGTH_CAP_MM)
-    if angle_rad > ANGLE_CAP_RAD + DISTURBED_RAD:
+    if not angle_rad <= ANGLE_CAP_RAD + DISTURBED_RAD:
         return Refusal(RefusalCode.MOVE_TOO_FAR, "turn to the goal (rad)", angle_rad, ANGLE_CAP_RAD)
     return None
 
@@ -67,11 +70,11 @@ def _refuse_place(move: BeginMove, reading: ArmState) -> Refusal | None:
     offset_mm, angle_rad = distance_between(bound, now)
     winding_rad = float(np.abs(reading.joints_rad - move.start_joints_rad).max())
     code = RefusalCode.ARM_MOVED_SINCE_PERMIT
-    if offset_mm > DISTURBED_MM:
+    if not offset_mm <= DISTURBED_MM:
         return Refusal(code, "the arm moved since the permit (mm)", offset_mm, DISTURBED_MM)
-    if angle_rad > DISTURBED_RAD:
+    if not angle_rad <= DISTURBED_RAD:
         return Refusal(code, "the arm turned since the permit (rad)", angle_rad, DISTURBED_RAD)
-    if winding_rad > _WINDING_RAD:
+    if not winding_rad <= _WINDING_RAD:
         return Refusal(code, "a joint stands elsewhere than the permit says (rad)", winding_rad, _WINDING_RAD)
     return None
 
@@ -83,9 +86,9 @@ def _both(move: BeginMove, reading: ArmState) -> tuple[np.ndarray, np.ndarray]:
 def _refuse_payload(move: BeginMove, reading: ArmState) -> Refusal | None:
     code = RefusalCode.PAYLOAD_MISMATCH
     mass_kg = abs(reading.payload_kg - move.payload_kg)
-    if mass_kg > move.payload_tolerance_kg:
+    if not mass_kg <= move.payload_tolerance_kg:
         return Refusal(code, "the controller's payload differs (kg)", mass_kg, move.payload_tolerance_kg)
     centre_mm = float(np.linalg.norm(reading.payload_centre_mm - move.payload_centre_mm))
-    if centre_mm > move.payload_tolerance_mm:
+    if not centre_mm <= move.payload_tolerance_mm:
         return Refusal(code, "the controller's centre of mass differs (mm)", centre_mm, move.payload_tolerance_mm)
     return None

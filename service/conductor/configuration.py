@@ -18,15 +18,12 @@ class Configuration:
     opened: str
 
 
-def configuration_of(
-    connection: Connection, case_id: str, settings_sha256: str, devices: DeviceSet | None
-) -> Configuration:
+def configuration_of(connection: Connection, case_id: str, settings_sha256: str, devices: DeviceSet) -> Configuration:
     """The configuration of a case; its device files count as they were stored, and as they are read now."""
     case = store.read_case(connection, case_id)
-    stored, read = (devices.sha256, devices.bytes_sha256) if devices is not None else ("", "")
     return Configuration(
-        now=_hash(PRODUCT_VERSION, settings_sha256, read),
-        opened=_hash(case.product_version, case.settings_sha256, stored),
+        now=_hash(PRODUCT_VERSION, settings_sha256, devices.bytes_sha256),
+        opened=_hash(case.product_version, case.settings_sha256, devices.sha256),
     )
 
 

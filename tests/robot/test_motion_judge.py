@@ -1,5 +1,6 @@
 """When a motion ends and why, as pure logic."""
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -147,6 +148,29 @@ def test_speed_above_the_cap_is_refused(move: BeginMove, reading: ArmState) -> N
     refusal = refuse_arm(replace(move, speed_mm_s=20.5), reading)
     assert refusal is not None
     assert (refusal.code, refusal.measured, refusal.limit) == (RefusalCode.SPEED_ABOVE_CAP, 20.5, 20.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [
+        ({"base_from_tcp": np.full((4, 4), math.nan)}, RefusalCode.MOVE_TOO_FAR),
+        ({"joints_rad": np.full(6, math.nan)}, RefusalCode.ARM_MOVED_SINCE_PERMIT),
+        ({"payload_kg": math.nan}, RefusalCode.PAYLOAD_MISMATCH),
+        ({"payload_centre_mm": np.full(3, math.nan)}, RefusalCode.PAYLOAD_MISMATCH),
+    ],
+)
+def test_reading_that_is_no_number_may_not_move(
+    move: BeginMove, reading: ArmState, change: dict[str, object], code: RefusalCode
+) -> None:
+    refusal = refuse_arm(move, replace(reading, **change))
+    assert refusal is not None
+    assert refusal.code is code
+
+
+def test_tcp_that_is_no_number_is_refused(move: BeginMove) -> None:
+    refusal = refuse_tcp(move, np.full((4, 4), math.nan))
+    assert refusal is not None
+    assert refusal.code is RefusalCode.TCP_MISMATCH
 
 
 @pytest.mark.parametrize("wrong", ["translation", "rotation"])

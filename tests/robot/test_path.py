@@ -20,23 +20,7 @@ from robot.tool import read_tool
 
 LIMITS = PathLimits()
 PARKED_RAD = np.deg2rad([0.0, -90.0, 90.0, -90.0, -90.0, 0.0])
-TOOL = read_tool(
-    b"""
-name = "guide"
-version = "1"
-[tcp]
-translation_mm = [20.0, -5.0, 150.0]
-rotation_vector_deg = [0.0, 0.0, 0.0]
-[payload]
-mass_kg = 0.8
-centre_mm = [1.0, 0.0, 60.0]
-[envelope]
-radius_mm = 34.0
-below_mm = 62.0
-above_mm = 2.0
-holder_radius_mm = 25.0
-"""
-)
+TOOL = read_tool((Paths(__file__).parents[1] / "devices" / "tcp.toml").read_bytes())
 FLANGE_FROM_GUIDE = TOOL.flange_from_guide
 FAR_ROOM = read_room((Paths(__file__).parents[1] / "devices" / "room.toml").read_bytes())
 PARKED = base_from_flange(PARKED_RAD) @ FLANGE_FROM_GUIDE

@@ -172,21 +172,7 @@ def device_files() -> dict[str, str]:
 _DEVICES = Path(__file__).parents[1] / "devices"
 _GUIDE = (_DEVICES / "guide.toml").read_text()
 _CARM = (_DEVICES / "flat-panel.toml").read_text()
-_TCP = """
-name = "guide-on-flange"
-version = "1"
-[tcp]
-translation_mm = [20.0, -5.0, 150.0]
-rotation_vector_deg = [0.0, 0.0, 90.0]
-[payload]
-mass_kg = 0.8
-centre_mm = [1.0, 0.0, 60.0]
-[envelope]
-radius_mm = 34.0
-below_mm = 62.0
-above_mm = 2.0
-holder_radius_mm = 25.0
-"""
+_TCP = (_DEVICES / "tcp.toml").read_text().replace("[0.0, 0.0, 0.0]", "[0.0, 0.0, 90.0]")  # a turned guide
 _ROOM = (_DEVICES / "room.toml").read_text()
 
 

@@ -211,3 +211,15 @@ def test_residual_scale_and_predicted_errors_are_limited(fit: ContourFit) -> Non
         predicted = gates.check_predicted(PredictedError(angle_rad, position_mm, 80.0))
         assert predicted is not None
         assert predicted.code is RefusalCode.PREDICTED_ERROR_TOO_HIGH
+
+
+def test_a_scale_that_is_no_number_is_refused() -> None:
+    refusal = gates.check_scale(math.nan, 0.35)
+    assert refusal is not None
+    assert refusal.code is RefusalCode.SCALE_MISMATCH
+
+
+def test_a_tilt_that_is_no_number_is_refused(vector_view: View) -> None:
+    refusal = gates.check_tilt(View(vector_view.intrinsics, np.full((4, 4), math.nan)))
+    assert refusal is not None
+    assert refusal.code is RefusalCode.GUIDE_MISMATCH
