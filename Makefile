@@ -55,8 +55,8 @@ coverage: $(VENV)/.runtime  ## are the predicted 95 % bounds true: COUNT=1000 sc
 	$(BIN)/python benchmarks/coverage.py --count $(or $(COUNT),1000) --processes $(or $(PROCESSES),2) \
 	  --folder $(or $(FOLDER),$(VENV)/coverage)
 
-faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong each, PROCESSES=2; results kept in FOLDER
-	$(BIN)/python benchmarks/faulted.py --count $(or $(COUNT),1000) --processes $(or $(PROCESSES),2) \
+faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong each, from seed FIRST=0, PROCESSES=2; results kept in FOLDER
+	$(BIN)/python benchmarks/faulted.py --count $(or $(COUNT),1000) --first $(or $(FIRST),0) --processes $(or $(PROCESSES),2) \
 	  --folder $(or $(FOLDER),$(VENV)/faulted)
 
 audit-bench: $(VENV)/.runtime  ## how fast the ledger is written, verified (COUNT=20000 entries) and read (PAGES=1000000)

@@ -1,10 +1,11 @@
 """Registers scenes with one thing wrong each and counts what was accepted and wrong: beyond 0.5 deg or 1.0 mm.
 
-    python benchmarks/faulted.py --folder FOLDER [--count N] [--processes P] [--faults NAME ...]
+    python benchmarks/faulted.py --folder FOLDER [--count N] [--first SEED] [--processes P] [--faults NAME ...]
 
 Scenes are drawn by fault and seed; N counts them over all faults, in turn, `nothing` included. Every result is a line
 of FOLDER/results.jsonl; a run goes on where the last one ended. The figures, with 95 % bounds by Clopper and Pearson,
-are printed and written to FOLDER/summary.json. Exit status 1 where any accepted result is wrong.
+are printed and written to FOLDER/summary.json. The guide's file is the reference guide's, whose tolerances the scenes
+are drawn with. Exit status 1 where any accepted result is wrong.
 """
 
 import argparse
@@ -30,10 +31,12 @@ from vision.refusal import Refusal
 
 WRONG_DEG, WRONG_MM = 0.5, 1.0
 REGISTERED = "registered"
-_DEVICES = Path(__file__).parents[1] / "simulator" / "devices"
-_GUIDE = read_guide((_DEVICES / "guide.toml").read_bytes())
-_INTENSIFIER = read_carm((_DEVICES / "carm-intensifier.toml").read_bytes())
-_FLAT_PANEL = read_carm((_DEVICES / "carm-flat-panel.toml").read_bytes())
+_ROOT = Path(__file__).parents[1]
+_GUIDE = read_guide((_ROOT / "tests" / "devices" / "guide.toml").read_bytes())  # the reference guide and its tolerances
+_CARMS = _ROOT / "simulator" / "devices"
+_INTENSIFIER = read_carm((_CARMS / "carm-intensifier.toml").read_bytes())
+_FLAT_PANEL = read_carm((_CARMS / "carm-flat-panel.toml").read_bytes())
+_PLANNED = 100_000  # scenes, for the time they would take
 
 
 @dataclass(frozen=True)
@@ -74,10 +77,10 @@ def _figures(score: Score) -> tuple[float, float, float, float]:
     return score.angle_deg, score.position_mm, math.degrees(bound.angle_rad), bound.position_mm
 
 
-def scenes(count: int, faults: Sequence[Fault]) -> Iterator[tuple[Fault, int]]:
-    """Faults in turn, each with seeds from 0."""
+def scenes(count: int, first: int, faults: Sequence[Fault]) -> Iterator[tuple[Fault, int]]:
+    """Faults in turn, each with seeds from the first."""
     for index in range(count):
-        yield faults[index % len(faults)], index // len(faults)
+        yield faults[index % len(faults)], first + index // len(faults)
 
 
 def kept(path: Path) -> list[Result]:
@@ -162,11 +165,26 @@ def _per_cent(bounds: tuple[float, float]) -> str:
     return "-".join(f"{100.0 * end:.3f}" for end in bounds)
 
 
+def verdict(results: Sequence[Result], figures: dict[str, dict[str, Any]]) -> Iterator[str]:
+    """What was asked for, in words; then every wrong acceptance."""
+    wrong = [one for one in results if one.wrong]
+    most = 100.0 * _bounds(len(wrong), len(results))[1]
+    yield f"wrong: {len(wrong)} of {len(results)}, a share of at most {most:.4f} %"
+    if nominal := figures.get(Fault.NOTHING):
+        of = f"{nominal['registered']} of {nominal['scenes']}"
+        yield f"registered where nothing is wrong: {of}, {_per_cent(nominal['registered_share_95'])} %"
+    cpu_s = sum(one.cpu_s or 0.0 for one in results) / len(results)
+    yield f"{cpu_s:.2f} s a scene; {_PLANNED} would take {_PLANNED * cpu_s / 3600.0:.1f} h of processor time"
+    for one in wrong:
+        yield f"wrong: {one.fault}:{one.seed} ({one.group}) {one.angle_deg:.3f} deg, {one.position_mm:.3f} mm"
+
+
 def main() -> None:
     """Run what is missing, print the table; exit 1 where an accepted result is wrong."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--folder", type=Path, required=True, help="where the results are kept")
     parser.add_argument("--count", type=int, default=1000, help="scenes over all faults (default 1000)")
+    parser.add_argument("--first", type=int, default=0, help="seed of each fault's first scene (default 0)")
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--faults", nargs="+", type=Fault, default=list(Fault), help="by default all")
     options = parser.parse_args()
@@ -174,15 +192,12 @@ def main() -> None:
     path = options.folder / "results.jsonl"
     results = kept(path)
     known = {(one.fault, one.seed) for one in results}
-    todo = [scene for scene in scenes(options.count, options.faults) if scene not in known]
+    todo = [scene for scene in scenes(options.count, options.first, options.faults) if scene not in known]
     results += run(todo, path, options.processes)
     figures = summary(results)
     (options.folder / "summary.json").write_text(json.dumps(figures, indent=1))
-    print("\n".join(table(figures)))
-    wrong = [one for one in results if one.wrong]
-    for one in wrong:
-        print(f"wrong: {one.fault}:{one.seed} ({one.group}) {one.angle_deg:.3f} deg, {one.position_mm:.3f} mm")
-    sys.exit(1 if wrong else 0)
+    print("\n".join((*table(figures), "", *verdict(results, figures))))
+    sys.exit(1 if any(one.wrong for one in results) else 0)
 
 
 if __name__ == "__main__":

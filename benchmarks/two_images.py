@@ -40,11 +40,9 @@ Array = NDArray[np.float64]
 ERRORS = MotionErrors(math.radians(0.02), 0.1, math.radians(0.05), 0.1)
 NO_ARM = MotionErrors(0.0, 0.0, 0.0, 0.0)  # a rendered pair has none
 DEPTH_MM = 80.0
-_DEVICES = Path(__file__).parents[1] / "simulator" / "devices"
-_CARM = read_carm((_DEVICES / "carm-intensifier.toml").read_bytes())
-_ROOM_GUIDE = read_guide((_DEVICES / "guide.toml").read_bytes())
-# of the reference guide: 0.02 mm of the radii, 0.03 mm of their separation
-_GUIDE = replace(_ROOM_GUIDE, tolerance=replace(_ROOM_GUIDE.tolerance, radius_sd_mm=0.02, separation_sd_mm=0.03))
+_ROOT = Path(__file__).parents[1]
+_CARM = read_carm((_ROOT / "simulator" / "devices" / "carm-intensifier.toml").read_bytes())
+_GUIDE = read_guide((_ROOT / "tests" / "devices" / "guide.toml").read_bytes())  # the reference guide and its tolerances
 _LIMITS = Limits()
 
 
@@ -144,7 +142,7 @@ def registered(scene: Scene, seed: int) -> tuple[XrayImage, Registration] | Refu
     image = decode(cv2.imencode(".png", render(scene, seed).pixels)[1].tobytes())
     if isinstance(image, Refusal):
         return image
-    result = register(image, _ROOM_GUIDE, _CARM)
+    result = register(image, _GUIDE, _CARM)
     return result if isinstance(result, Refusal) else (image, result)
 
 
