@@ -82,7 +82,7 @@ class Coaxial:
         return self._answer(self._http.get(f"/images/{image_id}/original")).content
 
     def findings(self, image_id: str) -> bytes:
-        """What was found in an image whose registration was refused, as a PNG file."""
+        """What was found in an image whose registration or verification was refused, as a PNG file."""
         return self._answer(self._http.get(f"/images/{image_id}/findings")).content
 
     def get(self, path: str) -> Json:

@@ -145,7 +145,7 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.EXPOSURE_POSE_UNKNOWN: Answer(409, "Request an exposure and take a new image."),
     ErrorCode.ARM_UNKNOWN: Answer(409, "Connect the arm, switch it on, and wait until the status shows it."),
     ErrorCode.IMAGE_UNKNOWN: Answer(404, "Choose an image from the list."),
-    ErrorCode.FINDINGS_UNKNOWN: Answer(404, "Choose an image whose registration was refused."),
+    ErrorCode.FINDINGS_UNKNOWN: Answer(404, "Choose an image whose registration or verification was refused."),
     ErrorCode.IMAGE_BYTES_TOO_LARGE: Answer(413, "Send a single frame below the limit in the answer."),
     ErrorCode.IMAGE_TRUNCATED: Answer(422, "Send the image again from the C-arm."),
     ErrorCode.IMAGE_TOO_SMALL: Answer(422, "Send the full image, not a thumbnail."),

@@ -12,9 +12,10 @@ import numpy as np
 
 from service.vision_echo import draw_point
 from vision import carm_angles as angles
-from vision.devices import read_carm, read_guide
+from vision.devices import CArm, Guide, read_carm, read_guide
 from vision.drawing import draw, png
-from vision.evaluation import evaluate as evaluate_image
+from vision.evaluation import evaluate_registration
+from vision.findings import Findings
 from vision.inspection import inspect
 from vision.motion_agreement import MotionErrors, detectable_motion
 from vision.refusal import Refusal
@@ -31,7 +32,7 @@ from vision.result_json import (
 )
 from vision.targeting import target as aim
 from vision.two_images import Before, compare_images
-from vision.xray import decode
+from vision.xray import XrayImage, decode
 
 Json = dict[str, Any]
 
@@ -45,8 +46,7 @@ def register(image: bytes, guide: bytes, carm: bytes) -> Json:
     findings = examine(decoded, guide_file, carm_file)
     if isinstance(findings.result, Registration):
         return to_json(findings.result)
-    picture = png(draw(inspect(decoded, guide_file, carm_file, findings)))
-    return refusal_to_json(findings.result) | {"findings_png_base64": base64.b64encode(picture).decode()}
+    return refusal_to_json(findings.result) | _picture(decoded, guide_file, carm_file, findings)
 
 
 def target(registration: Json, raw_px: tuple[float, float], depth_mm: float, errors: Json) -> Json:
@@ -64,23 +64,48 @@ def evaluate(
 ) -> Json:
     """How well the guide points, what else moved, and this image's contour registration for a correction.
 
-    `before` holds the `image` from which the move was planned, its `registration`, the guide's motion since by the arm
-    (`before_from_after`) and the standard deviations of that (`errors`).
+    A refusal comes with a picture of what was found. `before` holds the `image` from which the move was planned, its
+    `registration`, the guide's motion since by the arm (`before_from_after`) and the standard deviations of that
+    (`errors`).
     """
     decoded, first = decode(image), decode(before["image"])
     if isinstance(decoded, Refusal):
         return refusal_to_json(decoded)
     if isinstance(first, Refusal):
         return refusal_to_json(first)
-    result = evaluate_image(decoded, read_guide(guide), read_carm(carm), raw_px, PixelSpace.RAW, depth_mm)
+    guide_file, carm_file = read_guide(guide), read_carm(carm)
+    findings = examine(decoded, guide_file, carm_file)
+    result = _compared(findings.result, decoded, first, raw_px, depth_mm, before)
     if isinstance(result, Refusal):
-        return refusal_to_json(result)
+        return refusal_to_json(result) | _picture(decoded, guide_file, carm_file, findings)
+    return result
+
+
+def _compared(
+    registered: Registration | Refusal,
+    image: XrayImage,
+    first: XrayImage,
+    raw_px: tuple[float, float],
+    depth_mm: float,
+    before: Json,
+) -> Json | Refusal:
+    """The evaluation's answer by this image's registration and the image before it."""
+    if isinstance(registered, Refusal):
+        return registered
+    result = evaluate_registration(registered, raw_px, PixelSpace.RAW, depth_mm)
+    if isinstance(result, Refusal):
+        return result
     motion = np.array(before["before_from_after"])
     known = Before(first, from_json(before["registration"]), motion, _motion_errors(before["errors"]))
-    compared = compare_images(known, decoded, result.registration, raw_px, depth_mm)
+    compared = compare_images(known, image, registered, raw_px, depth_mm)
     if isinstance(compared, Refusal):
-        return refusal_to_json(compared)
-    return evaluation_to_json(result) | two_images_to_json(compared) | {"registration": to_json(result.registration)}
+        return compared
+    return evaluation_to_json(result) | two_images_to_json(compared) | {"registration": to_json(registered)}
+
+
+def _picture(image: XrayImage, guide: Guide, carm: CArm, findings: Findings) -> Json:
+    picture = png(draw(inspect(image, guide, carm, findings)))
+    return {"findings_png_base64": base64.b64encode(picture).decode()}
 
 
 def _motion_errors(errors: Json) -> MotionErrors:

@@ -86,7 +86,8 @@ class ImageFlow:
         except ServiceError as error:
             result = _failed(error)
         if result["status"] == "refused":
-            await self._observe(case_id, Trigger.REGISTRATION_REFUSED, _refused(image_id, result))
+            refused = RegistrationRefused(image_id, result["reason"]["code"])
+            await self._observe(case_id, Trigger.REGISTRATION_REFUSED, _refused(refused, result))
             return
         facts = RegistrationCompleted(new_id(), image_id, quality_of(result))
         artefact = registration_artefact(facts.registration_id, image_id, result)
@@ -102,8 +103,7 @@ class ImageFlow:
             result = _failed(error)
         if result["status"] == "refused":
             refused = VerificationRefused(image_id, result["reason"]["code"])
-            prepared = Prepared(refused, data={"image_id": image_id, "reason": result["reason"]})
-            await self._observe(case_id, Trigger.VERIFICATION_REFUSED, prepared)
+            await self._observe(case_id, Trigger.VERIFICATION_REFUSED, _refused(refused, result))
             return
         await self._observe(case_id, Trigger.VERIFICATION_PASSED, _evaluated(image_id, result))
 
@@ -133,10 +133,9 @@ async def _until_free(record: Callable[[], object], image_id: str) -> None:
             return
 
 
-def _refused(image_id: str, result: Json) -> Prepared:
-    """A refused registration; the picture of what was found, where image work came to one, commits with it."""
-    facts = RegistrationRefused(image_id, result["reason"]["code"])
-    data = {"image_id": image_id, "reason": result["reason"]}
+def _refused(facts: RegistrationRefused | VerificationRefused, result: Json) -> Prepared:
+    """A refused image; the picture of what was found in it, where image work came to one, commits with the refusal."""
+    data = {"image_id": facts.image_id, "reason": result["reason"]}
     encoded = result.get("findings_png_base64")
     if encoded is None:
         return Prepared(facts, data=data)

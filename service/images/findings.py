@@ -1,4 +1,4 @@
-"""The picture of what was found in an image whose registration was refused, kept beside the refusal."""
+"""The picture of what was found in an image whose registration or verification was refused, kept beside the refusal."""
 
 import hashlib
 
@@ -32,5 +32,5 @@ def findings_of(connection: Connection, image_id: str) -> bytes:
     query = sa.select(sha256).where(of_image).order_by(events.c.sequence.desc()).limit(1)
     found = connection.execute(query).scalar()
     if found is None:
-        raise ServiceError(ErrorCode.FINDINGS_UNKNOWN, f"no refused registration of image {image_id} has a picture")
+        raise ServiceError(ErrorCode.FINDINGS_UNKNOWN, f"no refusal of image {image_id} has a picture")
     return kept_bytes(connection, found)

@@ -72,7 +72,7 @@ def read_original(image_id: str, _: Reader, parts: PartsOfRoom) -> Response:
     openapi_extra=may_fail_with(ErrorCode.IMAGE_UNKNOWN, ErrorCode.FINDINGS_UNKNOWN),
 )
 def read_findings(image_id: str, _: Reader, parts: PartsOfRoom) -> Response:
-    """What was found in an image whose registration was refused, and what failed, as a picture (PNG)."""
+    """What was found in an image that was refused, and what failed, as a picture (PNG)."""
     with parts.database.read() as connection:
         return Response(findings_of(connection, image_id), media_type="image/png")
 

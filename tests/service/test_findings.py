@@ -2,6 +2,7 @@
 
 import asyncio
 import base64
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,7 +20,7 @@ from service.errors import ErrorCode, ServiceError
 from service.images.dicom_header import DicomHeader
 from service.images.findings import findings_of
 from service.images.store import add_image
-from service.vision_jobs import register
+from service.vision_jobs import evaluate, register
 from workflow.triggers import Trigger
 
 PICTURE = b"\x89PNG a picture"
@@ -39,7 +40,14 @@ def _open_case(database: Database, user_id: str) -> None:
         store.open_case(connection, new, OPENED)
 
 
-def _record(database: Database, monkeypatch: pytest.MonkeyPatch, image_id: str, result: dict[str, Any]) -> None:
+def _record(
+    database: Database,
+    monkeypatch: pytest.MonkeyPatch,
+    image_id: str,
+    result: dict[str, Any],
+    *,
+    verifies: bool = False,
+) -> None:
     """Let image work end with a result, and record what the flow makes of it."""
 
     async def work(*_arguments: object) -> dict[str, Any]:
@@ -55,9 +63,15 @@ def _record(database: Database, monkeypatch: pytest.MonkeyPatch, image_id: str, 
 
     async def run() -> None:
         conductor: Any = SimpleNamespace(on_effect={}, observe=observe)
-        await ImageFlow(conductor)._register("case", image_id)
+        flow = ImageFlow(conductor)
+        if verifies:
+            await flow._evaluate(SimpleNamespace(), "case", image_id)
+        else:
+            await flow._register("case", image_id)
 
     monkeypatch.setattr("service.conductor.image_flow.register_image", work)
+    monkeypatch.setattr("service.conductor.image_flow.evaluate_image", work)
+    monkeypatch.setattr(ImageFlow, "_target", lambda _self, _taken: {})
     asyncio.run(run())
 
 
@@ -76,6 +90,16 @@ def test_the_picture_of_the_newest_refusal_is_read_back(database, users, monkeyp
         newest = store.newest_event(connection, "case")
     assert newest.data["reason"] == REFUSED["reason"]
     assert "findings_png_base64" not in newest.data
+
+
+def test_a_refused_verification_keeps_its_picture_too(database, users, monkeypatch):
+    _open_case(database, users.add("anna", Role.SURGEON, "correct horse", "2468").id)
+    image_id = _image(database)
+    _record(database, monkeypatch, image_id, _with_picture(PICTURE), verifies=True)
+    with database.read() as connection:
+        assert findings_of(connection, image_id) == PICTURE
+        newest = store.newest_event(connection, "case")
+    assert (newest.trigger, newest.data["reason"]) == (Trigger.VERIFICATION_REFUSED, REFUSED["reason"])
 
 
 def test_a_refusal_without_a_picture_is_recorded_and_has_none(database, users, monkeypatch):
@@ -105,8 +129,11 @@ def test_the_picture_is_a_png_over_http_for_those_who_signed_in(running, monkeyp
 
 def test_image_work_draws_what_it_refuses_and_nothing_of_what_is_no_image(make_xray, device_files):
     devices = (device_files["guide"].encode(), device_files["carm"].encode())
-    refused = register(make_xray(rows=256, columns=256), *devices)
-    picture = cv2.imdecode(np.frombuffer(base64.b64decode(refused["findings_png_base64"]), np.uint8), cv2.IMREAD_COLOR)
-    assert refused["status"] == "refused"
-    assert picture is not None
-    assert "findings_png_base64" not in register(b"no image", *devices)
+    image = make_xray(rows=256, columns=256)
+    jobs = (register, partial(evaluate, raw_px=(128.0, 128.0), depth_mm=80.0, before={"image": image}))
+    for job in jobs:
+        refused = job(image, *devices)
+        png = np.frombuffer(base64.b64decode(refused["findings_png_base64"]), np.uint8)
+        assert refused["status"] == "refused"
+        assert cv2.imdecode(png, cv2.IMREAD_COLOR) is not None
+        assert "findings_png_base64" not in job(b"no image", *devices)
