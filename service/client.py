@@ -158,9 +158,10 @@ class Case:
         """A checked path: length, rotation, duration, predicted error, and the plan's id under `made`."""
         return self.command("plan-requested", kind=kind, **goal)
 
-    def approve(self, plan: Json, pin: str) -> str:
-        """The surgeon's approval; the id of the single-use permit."""
-        return str(self.command("move-approved", plan_id=plan["made"]["plan"], pin=pin)["made"]["permit"])
+    def approve(self, plan: Json, pin: str, overrides: Mapping[str, str] | None = None) -> str:
+        """The surgeon's approval, with reasons for interlocks that it overrides; the id of the single-use permit."""
+        body = {"plan_id": plan["made"]["plan"], "pin": pin, "overrides": dict(overrides or {})}
+        return str(self.command("move-approved", **body)["made"]["permit"])
 
     def hold(self, permit_id: str) -> Hold:
         """The held button of a permit."""

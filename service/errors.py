@@ -206,6 +206,7 @@ ANSWERS: dict[str, Answer] = {
     "reason_required": Answer(422, "Give a reason."),
     "role": Answer(403, "Ask someone whose role allows it."),
     "targets_open": Answer(409, "Place each planned target or abandon it with a reason."),
+    "not_overridable": Answer(409, "Leave the override out: this interlock never yields; remove its cause."),
     "interlock": Answer(409, "Remove what each failed verdict names, then ask again."),
     # robot
     "goal_unreachable": Answer(409, "Move the base or the C-arm, or choose another view."),

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from workflow.links import Artefact, Link
+from workflow.overrides import Override
 from workflow.plans import PlanKind
 from workflow.states import GuideState, InsertionStatus, State
 
@@ -17,6 +18,8 @@ class Plan:
     axial: bool  # a straight line along the guide's own axis, away from the patient
     start_joints_rad: tuple[float, ...]
     used: bool  # a motion was started from it; the next one starts from the live pose and a plan of its own
+    predicted_angle_rad: float | None = None  # at the target, 95 %
+    predicted_position_mm: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +33,7 @@ class Permit:
     devices_hash: str
     guide: GuideState
     control_token: int
+    overrides: tuple[Override, ...] = ()  # good for the one motion of this permit
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """A case as JSON and back, so that the service can rebuild it from its last event."""
 
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import MISSING, asdict, fields, is_dataclass
 from enum import Enum
 from types import UnionType
 from typing import Any, get_args, get_origin, get_type_hints
@@ -19,7 +19,7 @@ def from_json(data: dict[str, Any]) -> CaseState:
     Raises
     ------
     ValueError
-        If a field is missing, unknown or of another type.
+        If a field without a default is missing, or one is unknown or of another type.
     """
     case: CaseState = _read(CaseState, data, "case")
     return case
@@ -47,9 +47,11 @@ def _read(kind: Any, value: Any, where: str) -> Any:
 def _read_fields(kind: Any, data: dict[str, Any], where: str) -> Any:
     hints = get_type_hints(kind)
     names = {field.name for field in fields(kind)}
-    if names != set(data):
-        raise ValueError(f"{where}: fields {sorted(names ^ set(data))} are missing or unknown")
-    return kind(**{name: _read(hints[name], data[name], f"{where}.{name}") for name in names})
+    # What a record does not have that was written before there was such a field.
+    since = {field.name for field in fields(kind) if field.default is not MISSING}
+    if wrong := (names ^ set(data)) - since:
+        raise ValueError(f"{where}: fields {sorted(wrong)} are missing or unknown")
+    return kind(**{name: _read(hints[name], data[name], f"{where}.{name}") for name in names & set(data)})
 
 
 def _checked(value: Any, kind: Any, where: str) -> Any:

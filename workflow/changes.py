@@ -156,6 +156,8 @@ def new_plan(case: CaseState, inquiry: Inquiry) -> CaseState:
         axial=facts.axial,
         start_joints_rad=facts.start_joints_rad,
         used=False,
+        predicted_angle_rad=facts.predicted_angle_rad,
+        predicted_position_mm=facts.predicted_position_mm,
     )
     # The motion and its verification were made from the plan before this one; they end when the arm starts to move.
     return replace(case, plan=plan, permit=None)

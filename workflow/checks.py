@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeVar
 
+from workflow.facts import FACTS_OF, OVERRIDING
 from workflow.findings import Finding, age_note, at_least, equals, fresh, is_true, within
 from workflow.inquiry import Inquiry
 from workflow.limits import Limits
@@ -16,6 +17,7 @@ F = TypeVar("F")
 T = TypeVar("T")
 Check = Callable[[Inquiry], Finding]
 LimitOf = Callable[[Limits], float]
+_TAKES_OVERRIDES = frozenset(trigger for trigger, kind in FACTS_OF.items() if kind in OVERRIDING)
 
 
 class Identified(Protocol):
@@ -40,12 +42,26 @@ class Interlock:
     check: Check
     remedies: tuple[Trigger, ...] = ()  # none: the same request again, when the cause is gone
     asks: bool = False  # judged from what comes with the request or from the held button, not from the standing case
+    hard: LimitOf | None = None  # how far a surgeon may override a magnitude, with a reason; None: never
 
     def judge(self, inquiry: Inquiry) -> Verdict:
         """The verdict, with what was measured and the limit."""
         found = self.check(inquiry)
         message = "" if found.passed else "; ".join(filter(None, (self.message, found.note)))
-        return Verdict(self.code, self.hazard, found.passed, found.measured, found.limit, found.unit, message)
+        verdict = Verdict(self.code, self.hazard, found.passed, found.measured, found.limit, found.unit, message)
+        return verdict if self.hard is None else self._overridden(verdict, self.hard(inquiry.limits), inquiry)
+
+    def _overridden(self, verdict: Verdict, hard_limit: float, inquiry: Inquiry) -> Verdict:
+        """The verdict as the override in force makes it, if there is one; its limit is then the hard one."""
+        if inquiry.trigger in _TAKES_OVERRIDES:
+            verdict = replace(verdict, hard_limit=hard_limit)
+        reason = next((one.reason for one in inquiry.overrides if one.code == self.code), None)
+        if verdict.passed or reason is None:
+            return verdict
+        measured = verdict.measured if isinstance(verdict.measured, float) else None
+        if not within(measured, hard_limit, verdict.unit).passed:
+            return replace(verdict, limit=hard_limit, message=f"{verdict.message}; beyond what may be overridden")
+        return replace(verdict, passed=True, limit=hard_limit, message=f"overridden: {reason}", override=reason)
 
 
 def given(kind: type[F], value: Callable[[F], T | None]) -> Callable[[Inquiry], T | None]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 from workflow.branches import branches_of
+from workflow.checks import Interlock
 from workflow.interlocks import INTERLOCKS, REQUIRED
 from workflow.rows import Branch, Goto, Row
 from workflow.states import IDLE, INSERTION, LIVE, OVER, State
@@ -93,11 +94,16 @@ def _target(row: Row) -> str:
 
 def interlock_table() -> str:
     """Every interlock, its hazard and the triggers that it judges."""
-    lines = ["| interlock | hazard | refuses when | judges |", "|---|---|---|---|"]
+    lines = ["| interlock | hazard | refuses when | judges | override |", "|---|---|---|---|---|"]
     for lock in sorted(INTERLOCKS.values(), key=lambda lock: (lock.hazard, lock.code)):
         judges = ", ".join(f"`{trigger}`" for trigger, locks in REQUIRED.items() if lock in locks)
-        lines.append(f"| `{lock.code}` | {lock.hazard} | {lock.message} | {judges or '(by state or plan kind)'} |")
+        cells = (f"`{lock.code}`", lock.hazard, lock.message, judges or "(by state or plan kind)", _override(lock))
+        lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
+
+
+def _override(lock: Interlock) -> str:
+    return "never" if lock.hard is None else "surgeon"
 
 
 def page() -> str:
@@ -130,6 +136,11 @@ as `patient_moved`, with the same voids; where either could not be measured, the
 `configuration` judges every request that brings a case further. Where program, settings or device files are not those
 that the case was opened with, stop and pause, statements, notes, control, acknowledgement, a retreat, the end of an
 insertion and the end of the case are left.
+
+A surgeon may override a few, up to a hard limit (`image_age_hard_s` for the image's age, the verification's limits for
+what is predicted at the target), with a reason, for the one request that it comes with: a target, a correction, a plan,
+or the permit, which keeps it for its one motion. The reason stands in the event and as the verdict's message. All else,
+and the verification, never yields.
 
 {interlock_table()}
 """

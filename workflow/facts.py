@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+from workflow.overrides import Override
 from workflow.plans import PlanKind
 from workflow.states import GuideState
 from workflow.triggers import Trigger
@@ -100,6 +101,7 @@ class TargetConfirmed:
     image_id: str
     registration_id: str
     echo_seen: bool | None
+    overrides: tuple[Override, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +123,10 @@ class PlanRequested:
     smallest_singular_value: float | None
     clearance_mm: float | None
     clearance_needed_mm: float | None
+    # Predicted at the target (95 %); a plan of another kind aims at nothing.
+    predicted_angle_rad: float | None
+    predicted_position_mm: float | None
+    overrides: tuple[Override, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,6 +136,7 @@ class MoveApproved:
     permit_id: str
     plan_id: str
     approval: Approval
+    overrides: tuple[Override, ...] = ()  # bound to the permit
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,6 +191,7 @@ class CorrectionRequested:
     target_id: str
     quality: RegistrationQuality
     reason: str
+    overrides: tuple[Override, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -362,3 +370,6 @@ FACTS_OF: dict[Trigger, type[Facts]] = {
     Trigger.READ: Paper,
     Trigger.EXPORT: Paper,
 }
+
+# What may bring overrides with it.
+OVERRIDING = (TargetConfirmed, CorrectionRequested, PlanRequested, MoveApproved)

@@ -162,6 +162,7 @@ IMAGE_AGE = Interlock(
     "the image is old: nothing sees whether the C-arm was moved since",
     young(lambda s: s.image_exposed, lambda limits: limits.image_age_s),
     _RETAKE,
+    hard=lambda limits: limits.image_age_hard_s,
 )
 TARGET_ECHO = Interlock(
     "target_echo",

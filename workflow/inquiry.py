@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from workflow.case import CaseState, Plan
-from workflow.facts import Facts, PlanRequested
+from workflow.facts import OVERRIDING, Facts, PlanRequested
 from workflow.limits import Limits
+from workflow.overrides import Override
 from workflow.plans import PlanKind
 from workflow.snapshot import SafetySnapshot
 from workflow.triggers import Trigger
@@ -49,3 +50,10 @@ class Inquiry:
     def plan_kind(self) -> PlanKind | None:
         """Its kind."""
         return self.plan.kind if self.plan else None
+
+    @property
+    def overrides(self) -> tuple[Override, ...]:
+        """Those in force: what comes with the request; a motion that starts has those of its permit."""
+        if self.trigger is Trigger.MOVE_STARTED:
+            return self.case.permit.overrides if self.case.permit else ()
+        return self.facts.overrides if isinstance(self.facts, OVERRIDING) else ()

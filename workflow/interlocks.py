@@ -99,10 +99,11 @@ PROVENANCE = (*_IDENTITY, *_NEW)
 CLEAN_IMAGE = (*PROVENANCE, image.STILL_MM, image.STILL_RAD)
 
 # Only a motion onto a target uses an image and the pose held during its exposure; the others have none to be true to.
+_AIMED = (*_IMAGE_KEPT, motion.AIM_ANGLE, motion.AIM_POSITION)
 _AIMED_REQUIRED: dict[Trigger, tuple[Interlock, ...]] = {
-    Trigger.PLAN_REQUESTED: _IMAGE_KEPT,
-    Trigger.MOVE_APPROVED: _IMAGE_KEPT,
-    Trigger.MOVE_STARTED: _IMAGE_KEPT,
+    Trigger.PLAN_REQUESTED: _AIMED,
+    Trigger.MOVE_APPROVED: _AIMED,
+    Trigger.MOVE_STARTED: _AIMED,
 }
 _STATE_REQUIRED: dict[tuple[Trigger, State], tuple[Interlock, ...]] = {
     (Trigger.IMAGE_ARRIVED, State.MOVED): (image.IMAGE_AFTER_MOTION,),

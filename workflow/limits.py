@@ -19,6 +19,8 @@ class Limits:
     verification_age_s: float = 900.0
     # H03, own choice: between the image and the move nothing sees a C-arm that is turned.
     image_age_s: float = 1800.0
+    # How far a surgeon may override it: own choice, twice as long.
+    image_age_hard_s: float = 3600.0
     # H04, at the TCP.
     unaccounted_mm: float = 0.05
     unaccounted_rad: float = math.radians(0.02)
@@ -38,6 +40,10 @@ class Limits:
     # The verification: error and its 95 % bound together.
     angle_error_rad: float = math.radians(1.0)
     position_error_mm: float = 1.5
+    # H07, predicted at the target (95 %): what a registration's own gate allows for its reference depth. A surgeon may
+    # override it up to the limit of the verification, beyond which no verification could pass.
+    aim_angle_rad: float = math.radians(0.25)
+    aim_position_mm: float = 0.5
     # H03: 99.5 % of a chi-square over 6 degrees of freedom, so that 1 in 200 unmoved pairs is refused (method).
     motion_chi_square: float = 18.548
     # H34, at the target's depth: half of what must be seen across the beam; along it the scale tells less.

@@ -1,7 +1,7 @@
 """Interlocks of a plan, of its approval, of the permit and of what is in the guide that is to move."""
 
 from workflow.case import CaseState
-from workflow.checks import Interlock, given, id_of, joints_near, same, since, yes
+from workflow.checks import Interlock, bounded, given, id_of, joints_near, same, since, yes
 from workflow.facts import Acknowledged, Approval, InsertionStarted, MoveApproved, MoveStarted, PlanRequested
 from workflow.findings import Finding, fresh, is_true, within
 from workflow.inquiry import Inquiry
@@ -88,6 +88,30 @@ PLAN_PARENTS = Interlock(
     ),
     _PLAN,
     asks=True,
+)
+AIM_ANGLE = Interlock(
+    "aim_angle",
+    "H07",
+    "the direction predicted at the target is not sure enough",
+    bounded(
+        lambda i: i.plan.predicted_angle_rad if i.plan else None,
+        lambda limits: min(limits.aim_angle_rad, limits.angle_error_rad),
+        "rad",
+    ),
+    (Trigger.RETAKE,),
+    hard=lambda limits: limits.angle_error_rad,
+)
+AIM_POSITION = Interlock(
+    "aim_position",
+    "H07",
+    "the position predicted at the target is not sure enough",
+    bounded(
+        lambda i: i.plan.predicted_position_mm if i.plan else None,
+        lambda limits: min(limits.aim_position_mm, limits.position_error_mm),
+        "mm",
+    ),
+    (Trigger.RETAKE,),
+    hard=lambda limits: limits.position_error_mm,
 )
 PLAN_CURRENT = Interlock(
     "plan_current",

@@ -25,4 +25,5 @@ def issue(inquiry: Inquiry) -> Permit:
         devices_hash=devices_hash,
         guide=inquiry.case.guide,
         control_token=facts.approval.control_token,
+        overrides=facts.overrides,
     )

@@ -21,6 +21,7 @@ class RefusalCode(StrEnum):
     REASON_REQUIRED = "reason_required"
     ROLE = "role"
     TARGETS_OPEN = "targets_open"
+    NOT_OVERRIDABLE = "not_overridable"
     INTERLOCK = "interlock"
 
 

@@ -45,7 +45,12 @@ def _reason(inquiry: Inquiry, verdicts: Sequence[Verdict], is_listed: bool) -> R
     by_chain = by_insertion or (_by_chain(inquiry) if needs_chain else None)
     if by_chain or not is_listed:
         return by_chain or _not_now(inquiry)
-    return _by_plan_kind(inquiry) or _by_what_came(inquiry) or _by_interlock(inquiry, verdicts)
+    return (
+        _by_plan_kind(inquiry)
+        or _by_what_came(inquiry)
+        or _by_override(inquiry, verdicts)
+        or _by_interlock(inquiry, verdicts)
+    )
 
 
 def _by_state(inquiry: Inquiry) -> Reason | None:
@@ -120,6 +125,22 @@ def _by_what_came(inquiry: Inquiry) -> Reason | None:
             return RefusalCode.TARGETS_OPEN, message, (Trigger.TARGET_DONE, Trigger.TARGET_WITHDRAWN)
         case _:
             return None
+
+
+def _by_override(inquiry: Inquiry, verdicts: Sequence[Verdict]) -> Reason | None:
+    """Who may not override, why not said, or what never yields: of all that come with the request."""
+    if inquiry.trigger is Trigger.MOVE_STARTED:
+        return None  # those of the permit were judged when it was given
+    overridable = {verdict.code for verdict in verdicts if verdict.hard_limit is not None}
+    again = (inquiry.trigger,)
+    for override in inquiry.overrides:
+        if not override.surgeon:
+            return RefusalCode.ROLE, "only a surgeon may override an interlock", again
+        if not override.reason:
+            return RefusalCode.REASON_REQUIRED, f"overriding {override.code} needs a reason", again
+        if override.code not in overridable:
+            return RefusalCode.NOT_OVERRIDABLE, f"{override.code} is not to be overridden here", again
+    return None
 
 
 def _by_interlock(inquiry: Inquiry, verdicts: Sequence[Verdict]) -> Reason | None:

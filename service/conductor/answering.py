@@ -1,15 +1,14 @@
 """From a decision to what the caller gets, and to what is remembered of a request that never reached the rules."""
 
-from dataclasses import asdict
-
 import structlog
 
 from service.cases import store
 from service.cases.attempts import record_attempt
-from service.cases.records import NewAttempt, NewVerdict
+from service.cases.records import NewAttempt
 from service.conductor.answers import CommandAnswer, VerdictAnswer
 from service.conductor.caller import Caller
 from service.conductor.taking import Taken
+from service.conductor.verdict_json import kept_verdict, verdict_json
 from service.database.engines import Database
 from service.errors import ErrorCode, ServiceError
 from workflow.refusals import Refusal
@@ -31,7 +30,7 @@ def answer_of(taken: Taken) -> CommandAnswer:
         sequence=taken.event.sequence,
         made=dict(taken.prepared.made),
         voided=list(decision.voided),
-        verdicts=[VerdictAnswer(**asdict(verdict)) for verdict in decision.verdicts],
+        verdicts=[VerdictAnswer(**verdict_json(verdict)) for verdict in decision.verdicts],
         detail=dict(taken.prepared.detail),
     )
 
@@ -46,7 +45,7 @@ def error_of(refusal: Refusal) -> ServiceError:
         measured=first.measured if first else None,
         limit=first.limit if first else None,
         leads_onwards=refusal.leads_onwards,
-        verdicts=[asdict(verdict) for verdict in refusal.verdicts],
+        verdicts=[verdict_json(verdict) for verdict in refusal.verdicts],
     )
 
 
@@ -57,7 +56,7 @@ def record_failed_attempt(database: Database, caller: Caller, trigger: Trigger, 
         with database.write() as connection:
             case_id, state = _known(database, caller.case_id)
             user_id, code, message = caller.session.user_id, error.code, error.message
-            verdicts = tuple(NewVerdict(**verdict) for verdict in error.verdicts)
+            verdicts = tuple(map(kept_verdict, error.verdicts))
             record_attempt(connection, NewAttempt(case_id, user_id, trigger, False, code, message, state, verdicts))
     except ServiceError as fault:
         _log.error("attempt_not_recorded", case_id=caller.case_id, trigger=trigger, code=fault.code)

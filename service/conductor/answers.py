@@ -17,6 +17,9 @@ class VerdictAnswer(BaseModel):
     limit: Measured
     unit: str
     message: str
+    hard_limit: float | None
+    override: str | None
+    overridable: bool
 
 
 class CommandAnswer(BaseModel):
@@ -82,13 +85,15 @@ class ArmAnswer(BaseModel):
 
 
 class ReasonAnswer(BaseModel):
-    """One reason why a trigger is refused now."""
+    """One reason why a trigger is refused now; `overridable`: not with a surgeon's reason, sent under `overrides`."""
 
     code: str
     message: str
     measured: Measured
     limit: Measured
     unit: str
+    hard_limit: float | None = None
+    overridable: bool = False
 
 
 class AllowanceAnswer(BaseModel):

@@ -28,18 +28,19 @@ def move_approved(
     approval = confirmed_approval(conductor, caller, body.pin)
 
     def prepare(standing: Standing) -> Prepared:
-        facts = MoveApproved(new_id(), body.plan_id, approval)
+        facts = MoveApproved(new_id(), body.plan_id, approval, caller.overriding(body.overrides))
         plan = standing.case.plan
         made_from = (plan.id, *plan.made_from) if plan is not None else ()
         content = {
             "plan_id": body.plan_id,
             "control_token": approval.control_token,
             "life_s": conductor.rules.limits.permit_life_s,
+            "overrides": body.overrides,
             "detectable_motion": _detectable(standing.connection, plan.id) if plan is not None else None,
         }
         columns = {"approved_by": caller.session.user_id}
         permit = NewArtefact(ArtefactKind.PERMIT, facts.permit_id, made_from, content, columns)
-        data = {"plan_id": body.plan_id, "detectable_motion": content["detectable_motion"]}
+        data = {name: content[name] for name in ("plan_id", "detectable_motion", "overrides")}
         return Prepared(facts, (permit,), {"permit": facts.permit_id}, data, content)
 
     return conductor.perform(caller, Trigger.MOVE_APPROVED, prepare)

@@ -17,6 +17,8 @@ _Pixel = Annotated[float, Field(ge=-0.5, le=65535.5, allow_inf_nan=False)]
 # A UR5 reaches 850 mm; a position in metres is within 1.3 of zero all along and is caught by the path check (H09).
 _Reach = Annotated[float, Field(ge=-1300.0, le=1300.0, allow_inf_nan=False)]
 _Turn = Annotated[float, Field(ge=-360.0, le=360.0, allow_inf_nan=False)]
+# Interlocks that the surgeon overrides with this one request, each with the reason.
+Overrides = Annotated[dict[Identifier, Reason], Field(max_length=8)]
 DepthMm = Annotated[float, Field(ge=10.0, le=300.0, allow_inf_nan=False)]
 Millimetres = tuple[_Reach, _Reach, _Reach]
 Degrees = tuple[_Turn, _Turn, _Turn]
@@ -64,6 +66,14 @@ class ConfirmTarget(Body):
     echo_id: Identifier
     planned_target: Name | None = None
     depth_mm: DepthMm | None = None
+    overrides: Overrides = {}
+
+
+class Correct(Body):
+    """A correction from the verification image; the third needs a reason."""
+
+    reason: OptionalReason = ""
+    overrides: Overrides = {}
 
 
 class Pose(Body):
@@ -84,6 +94,7 @@ class RequestPlan(Body):
     base_from_goal: Pose | None = None
     step: Pose | None = None
     distance_mm: Annotated[float, Field(ge=1.0, le=400.0, allow_inf_nan=False)] | None = None
+    overrides: Overrides = {}
 
     @model_validator(mode="after")
     def _goal_of_its_kind(self) -> "RequestPlan":
@@ -107,6 +118,7 @@ class ApproveMove(Body):
 
     plan_id: Identifier
     pin: Pin
+    overrides: Overrides = {}
 
 
 class WithPin(Body):

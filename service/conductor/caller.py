@@ -3,17 +3,18 @@
 Requests need If-Match and Idempotency-Key; facts are never refused, so they need neither.
 """
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
 from fastapi import Depends, Header, Request
 
 from service.auth.dependencies import require
-from service.auth.permissions import Permission
+from service.auth.permissions import Permission, Role
 from service.auth.session import Session
 from service.cases.idempotency import Intent, intent_of
 from service.cases.preconditions import expected_version, intent
+from workflow.overrides import Override
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +26,11 @@ class Caller:
     version: int | None
     intent: Intent | None
     control_token: int | None
+
+    def overriding(self, reasons: Mapping[str, str]) -> tuple[Override, ...]:
+        """Overrides as this person says them: interlocks by code, each with the reason."""
+        surgeon = self.session.role is Role.SURGEON
+        return tuple(Override(code, reason, surgeon) for code, reason in reasons.items())
 
 
 ControlToken = Annotated[int | None, Header(ge=0, le=2**31)]

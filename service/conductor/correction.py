@@ -11,7 +11,7 @@ from service.auth.permissions import Permission
 from service.cases import store
 from service.cases.records import ArtefactKind
 from service.conductor.answers import CommandAnswer
-from service.conductor.bodies import WithOptionalReason, WithReason
+from service.conductor.bodies import Correct, WithReason
 from service.conductor.caller import Caller, requesting
 from service.conductor.conductor import Conductor, TheConductor, new_id
 from service.conductor.image_work import aim, quality_of, registration_json
@@ -38,7 +38,7 @@ class _Verified:
 
 
 @router.post("/cases/{case_id}/correction-requested", openapi_extra=AIMING)
-async def correction_requested(body: WithOptionalReason, caller: Chooser, conductor: TheConductor) -> CommandAnswer:
+async def correction_requested(body: Correct, caller: Chooser, conductor: TheConductor) -> CommandAnswer:
     """The verification image becomes image and registration of a corrective move, without a new exposure.
 
     The target crosses as a raw pixel and is corrected in the new image anew.
@@ -52,10 +52,11 @@ async def correction_requested(body: WithOptionalReason, caller: Chooser, conduc
     raw_px = (float(u_px), float(v_px))
     aimed = await aim(conductor, caller.case_id, dict(verified.registration), raw_px, depth_mm)
     quality, ids = quality_of(verified.registration), (verified.image_id, verified.registration_id)
-    facts = CorrectionRequested(*ids, new_id(), quality, body.reason)
+    facts = CorrectionRequested(*ids, new_id(), quality, body.reason, caller.overriding(body.overrides))
     target = target_artefact(facts.target_id, *ids, aimed, depth_mm, verified.target["planned_target"])
     made = {"target": facts.target_id, "registration": verified.registration_id, "image": verified.image_id}
-    prepared = Prepared(facts, (target,), made, {"reason": body.reason}, {"targeting": aimed})
+    data = {"reason": body.reason, "overrides": body.overrides}
+    prepared = Prepared(facts, (target,), made, data, {"targeting": aimed})
     return await asyncio.to_thread(_perform, conductor, caller, prepared)
 
 

@@ -24,6 +24,7 @@ from workflow.facts import PlanRequested
 from workflow.limits import Limits
 from workflow.machine import decide
 from workflow.motion_interlocks import input_ids
+from workflow.overrides import Override
 from workflow.plans import PlanKind
 from workflow.refusals import Refusal
 from workflow.triggers import Trigger
@@ -37,13 +38,18 @@ def plan_requested(
     body: RequestPlan, caller: Annotated[Caller, Depends(requesting(Permission.PLAN))], conductor: TheConductor
 ) -> CommandAnswer:
     """A plan of one kind from where the arm is now; it moves nothing."""
-    return conductor.perform(caller, Trigger.PLAN_REQUESTED, lambda standing: _prepare(conductor, standing, body))
+    overrides = caller.overriding(body.overrides)
+    return conductor.perform(
+        caller, Trigger.PLAN_REQUESTED, lambda standing: _prepare(conductor, standing, body, overrides)
+    )
 
 
-def _prepare(conductor: Conductor, standing: Standing, wanted: RequestPlan) -> Prepared:
+def _prepare(
+    conductor: Conductor, standing: Standing, wanted: RequestPlan, overrides: tuple[Override, ...]
+) -> Prepared:
     """The rules first: what is not allowed now is refused for that, not for a path that nobody may go."""
     rules = conductor.rules
-    still = _still(standing, wanted.kind, rules.limits)
+    still = replace(_still(standing, wanted.kind, rules.limits), overrides=overrides)
     answer = decide(standing.case, Trigger.PLAN_REQUESTED, still, standing.snapshot, rules.limits, rules.clock())
     if isinstance(answer, Refusal):
         return Prepared(still)
@@ -72,11 +78,14 @@ def _still(standing: Standing, kind: PlanKind, limits: Limits) -> PlanRequested:
         smallest_singular_value=limits.smallest_singular_value,
         clearance_mm=limits.clearance_mm,
         clearance_needed_mm=limits.clearance_mm,
+        predicted_angle_rad=0.0,
+        predicted_position_mm=0.0,
     )
 
 
 def _planned(still: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> Prepared:
     way_mm = max(path.length_mm, path.angle_rad * PathLimits().turn_lever_mm)  # what the controller counts
+    predicted = goal.predicted["predicted_error_95"]
     facts = replace(
         still,
         start_joints_rad=tuple(map(float, path.start_joints_rad)),
@@ -89,11 +98,14 @@ def _planned(still: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> Pre
         smallest_singular_value=path.smallest_singular_value,
         clearance_mm=path.clearance_mm,
         clearance_needed_mm=path.needed_mm,
+        predicted_angle_rad=None if predicted is None else math.radians(predicted["angle_deg"]),
+        predicted_position_mm=None if predicted is None else predicted["position_mm"],
     )
     content = _content(facts, goal, path, arm)
+    data = {"kind": facts.kind, "overrides": content["overrides"]}
     artefact = NewArtefact(ArtefactKind.PLAN, facts.plan_id, facts.made_from, content, {})
     detail = {key: value for key, value in content.items() if key != "start_joints_rad"}
-    return Prepared(facts, (artefact,), {"plan": facts.plan_id}, {"kind": facts.kind}, detail)
+    return Prepared(facts, (artefact,), {"plan": facts.plan_id}, data, detail)
 
 
 def _content(facts: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> dict[str, Any]:
@@ -113,6 +125,7 @@ def _content(facts: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> dic
         "clearance_mm": path.clearance_mm,
         "clearance_needed_mm": path.needed_mm,
         "preview": _preview(path),
+        "overrides": {override.code: override.reason for override in facts.overrides},
         **goal.predicted,
     }
 

@@ -107,6 +107,8 @@ def _reason(verdict: Verdict) -> ReasonAnswer:
         measured=_json_number(verdict.measured),
         limit=_json_number(verdict.limit),
         unit=verdict.unit,
+        hard_limit=verdict.hard_limit,
+        overridable=verdict.overridable,
     )
 
 

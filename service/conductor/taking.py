@@ -1,7 +1,7 @@
 """One decision in one transaction: read the case, measure, ask the rules, append what follows with every verdict."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from sqlalchemy.engine import Connection
@@ -9,10 +9,11 @@ from sqlalchemy.engine import Connection
 from service.auth.lease import Lease, lease_of
 from service.cases import store
 from service.cases.attempts import record_attempt
-from service.cases.records import NewArtefact, NewAttempt, NewEvent, NewVerdict, StoredEvent
+from service.cases.records import NewArtefact, NewAttempt, NewEvent, StoredEvent
 from service.conductor.configuration import configuration_of
 from service.conductor.device_set import devices_of
 from service.conductor.snapshots import Held, measure
+from service.conductor.verdict_json import kept_verdict, verdict_json
 from service.ledger.draft import describe
 from service.motion.arm_watch import ArmWatch
 from workflow.case import CaseState
@@ -24,7 +25,6 @@ from workflow.machine import decide
 from workflow.refusals import Refusal
 from workflow.snapshot import SafetySnapshot
 from workflow.triggers import Trigger
-from workflow.verdicts import Verdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,11 +109,6 @@ def take(
     return Taken(answer, standing.case, event, prepared)
 
 
-def verdict_json(verdict: Verdict) -> dict[str, Any]:
-    """A verdict as a caller sees it."""
-    return asdict(verdict)
-
-
 def _attempt(standing: Standing, trigger: Trigger, answer: Decision | Refusal, user_id: str | None) -> NewAttempt:
     refused = isinstance(answer, Refusal)
     return NewAttempt(
@@ -124,7 +119,7 @@ def _attempt(standing: Standing, trigger: Trigger, answer: Decision | Refusal, u
         code=answer.code if isinstance(answer, Refusal) else answer.outcome,
         message=answer.message if isinstance(answer, Refusal) else "",
         state=standing.case.state,
-        verdicts=tuple(NewVerdict(**verdict_json(verdict)) for verdict in answer.verdicts),
+        verdicts=tuple(kept_verdict(verdict_json(verdict)) for verdict in answer.verdicts),
     )
 
 

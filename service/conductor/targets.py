@@ -50,10 +50,12 @@ async def target_confirmed(body: ConfirmTarget, caller: Chooser, conductor: TheC
     depth_mm = body.depth_mm or conductor.parts.settings.limits.depth_mm
     registration = await asyncio.to_thread(_read_registration, conductor, echo, body.planned_target)
     aimed = await aim(conductor, caller.case_id, registration, echo.raw_px, depth_mm)
-    facts = TargetConfirmed(new_id(), echo.image_id, echo.registration_id, echo_seen=True)
+    overrides = caller.overriding(body.overrides)
+    facts = TargetConfirmed(new_id(), echo.image_id, echo.registration_id, echo_seen=True, overrides=overrides)
     target = target_artefact(facts.target_id, echo.image_id, echo.registration_id, aimed, depth_mm, body.planned_target)
     detail = {"targeting": aimed, "depth_mm": depth_mm, "planned_target": body.planned_target}
-    prepared = Prepared(facts, (target,), {"target": facts.target_id}, {"echo_id": echo.id}, detail)
+    data = {"echo_id": echo.id, "overrides": body.overrides}
+    prepared = Prepared(facts, (target,), {"target": facts.target_id}, data, detail)
     return await asyncio.to_thread(_confirm, conductor, caller, prepared)
 
 

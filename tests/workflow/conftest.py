@@ -12,7 +12,7 @@ from workflow.case import CaseState, opened
 from workflow.decisions import Decision
 from workflow.limits import Limits
 from workflow.machine import decide
-from workflow.plans import PLAN_INPUTS, PlanKind
+from workflow.plans import AIMED, PLAN_INPUTS, PlanKind
 from workflow.refusals import Refusal
 from workflow.snapshot import Reading, SafetyMode, SafetySnapshot
 from workflow.states import GuideState, State
@@ -104,6 +104,8 @@ def good_facts(case: CaseState, trigger: Trigger, new_id: Any, kind: PlanKind = 
             smallest_singular_value=0.2,
             clearance_mm=20.0,
             clearance_needed_mm=5.0,
+            predicted_angle_rad=math.radians(0.05) if kind in AIMED else None,
+            predicted_position_mm=0.1 if kind in AIMED else None,
         ),
         f.MoveApproved: lambda: f.MoveApproved(new_id("permit"), id_of(case.plan), SURGEON),
         f.MoveStarted: lambda: f.MoveStarted(new_id("motion"), id_of(case.permit), TOKEN),

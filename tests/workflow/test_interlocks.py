@@ -169,6 +169,16 @@ PROOFS: dict[str, Proof] = {
     "path_speed": Proof(*PLAN, *most(given, "speed_mm_s", 20.0)),
     "path_turn_speed": Proof(*PLAN, *most(given, "speed_rad_s", math.radians(5.0))),
     "path_acceleration": Proof(*PLAN, *most(given, "acceleration_mm_s2", 50.0)),
+    "aim_angle": Proof(
+        *START,
+        [nested("plan", predicted_angle_rad=bad) for bad in (math.radians(0.25) * MORE, None, NAN, -0.01)],
+        [nested("plan", predicted_angle_rad=math.radians(0.25))],
+    ),
+    "aim_position": Proof(
+        *START,
+        [nested("plan", predicted_position_mm=bad) for bad in (0.5 * MORE, None, NAN, -0.01)],
+        [nested("plan", predicted_position_mm=0.5)],
+    ),
     "plan_parents": Proof(*PLAN, [given(made_from=("old",)), given(made_from=())], []),
     "plan_current": Proof(*APPROVE, [given(plan_id="old")], []),
     "surgeon": Proof(*APPROVE, [given(approval=replace(OTHER, surgeon=False))], []),
