@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 LEAST_AMPLITUDE = 0.35  # of what the wires' absorption predicts for the bead's diameter; dark 8-bit images clip it
 LEAST_EXPLAINED = 0.25  # share of the patch's variation that the bead must explain; a bone edge across it may hold more
 CLEAR_WIN = 20.0  # difference of the logarithms of the two likelihoods
+GREATEST_OTHER = 0.5  # of the amplitude at the place that wins: what the place that loses may have
 _PATCH = 1.8  # half side, in bead radii
 _LEAST_SIZE = 1e-9  # of the ground's largest direction; below it a column says what others say
 _SEARCH_PX = 3.0  # around the predicted place: the first pose's error at the bead
@@ -72,22 +73,27 @@ def locate_bead(
     place, mirror = (
         _evidence(view, np.array([x, sign * y, z]), bead, expected, reader, crossing) for sign in (1.0, -1.0)
     )
-    if _clearly(place, mirror):
+    doubt = _doubt(place, mirror)
+    if doubt is None:
         return place
-    if _clearly(mirror, place):
+    if _doubt(mirror, place) is None:
         message = "the image is mirrored: the bead is at its mirror place (log likelihood ratio of its own place)"
         return Refusal(RefusalCode.MIRRORED, message, place.log_ratio - mirror.log_ratio, CLEAR_WIN)
-    message = "the bead is not clearly at its place (its absorption against what the wires predict)"
-    return Refusal(RefusalCode.BEAD_MISSING, message, place.amplitude, LEAST_AMPLITUDE)
+    return doubt
 
 
-def _clearly(one: BeadEvidence, other: BeadEvidence) -> bool:
-    return (
-        one.amplitude >= LEAST_AMPLITUDE
-        and one.explained >= LEAST_EXPLAINED
-        and one.log_ratio - other.log_ratio >= CLEAR_WIN
-        and other.amplitude < one.amplitude / 2.0
-    )
+def _doubt(one: BeadEvidence, other: BeadEvidence) -> Refusal | None:
+    """What speaks first against the bead being at one place and not at the other."""
+    won, faint = one.log_ratio - other.log_ratio, other.amplitude < GREATEST_OTHER * one.amplitude
+    for passed, what, measured, limit in (
+        (one.amplitude >= LEAST_AMPLITUDE, "absorption against what the wires predict", one.amplitude, LEAST_AMPLITUDE),
+        (one.explained >= LEAST_EXPLAINED, "share of the patch that it explains", one.explained, LEAST_EXPLAINED),
+        (won >= CLEAR_WIN, "log likelihood ratio against its mirror place", won, CLEAR_WIN),
+        (faint, "absorption at its mirror place", other.amplitude, GREATEST_OTHER * one.amplitude),
+    ):
+        if not passed:
+            return Refusal(RefusalCode.BEAD_MISSING, f"the bead is not clearly at its place: {what}", measured, limit)
+    return None
 
 
 def _evidence(

@@ -27,9 +27,10 @@ _GAMMA = 0.6  # shows what lies in the shadows of dense bone
 
 def draw(inspection: Inspection) -> Picture:
     """The picture (rows, columns, 3), blue, green, red."""
-    grey = _grey(inspection.pixels)
-    whole = Panel(grey, (0.0, 0.0), float(max(grey.shape)), _SIDE)
-    near = Panel(grey, *_window(inspection, grey.shape), _SIDE)
+    pixels = inspection.pixels
+    corner, width_px = _window(inspection, pixels.shape)
+    whole = Panel(_grey(pixels, pixels), (0.0, 0.0), float(max(pixels.shape)), _SIDE)
+    near = Panel(_grey(pixels, _cut(pixels, corner, width_px)), corner, width_px, _SIDE)
     overlay.draw_balls(whole, inspection)
     for panel in (whole, near):
         _draw_guide(panel, inspection)
@@ -49,7 +50,7 @@ def png(picture: Picture) -> bytes:
 
 
 def _draw_guide(panel: Panel, inspection: Inspection) -> None:
-    if not inspection.views:
+    if isinstance(inspection.result, Refusal):
         overlay.draw_rings(panel, inspection)
     for view in inspection.views:
         overlay.draw_wires(panel, view)
@@ -57,8 +58,15 @@ def _draw_guide(panel: Panel, inspection: Inspection) -> None:
         overlay.draw_fiducials(panel, inspection.result)
 
 
-def _grey(pixels: NDArray[np.float32]) -> NDArray[np.uint8]:
-    lit = pixels[pixels > 0.0]
+def _cut(pixels: NDArray[np.float32], corner: tuple[float, float], width_px: float) -> NDArray[np.float32]:
+    """The pixels of a window, as far as it is on the image."""
+    (left, right), (top, bottom) = ((max(0, int(start)), max(0, int(start + width_px) + 1)) for start in corner)
+    return pixels[top:bottom, left:right]
+
+
+def _grey(pixels: NDArray[np.float32], stretched_by: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """The image, stretched so that a part of it spans black to white."""
+    lit = stretched_by[stretched_by > 0.0]
     low, high = np.percentile(lit, (_DARKEST_PERCENT, _LIGHTEST_PERCENT)) if len(lit) else (0.0, 1.0)
     stretched = np.clip((pixels - low) / max(float(high - low), 1e-6), 0.0, 1.0)
     return np.asarray(stretched**_GAMMA * (255.0 * _DIMMED), dtype=np.uint8)

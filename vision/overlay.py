@@ -45,7 +45,7 @@ def draw_balls(panel: Panel, inspection: Inspection) -> None:
 
 
 def draw_rings(panel: Panel, inspection: Inspection) -> None:
-    """Ring candidates with their support, where no view of the guide came of them."""
+    """Ring candidates with their support: other guides, and what was taken for a ring."""
     for ring in inspection.rings[:MOST_CANDIDATES]:
         points = ellipse_points(ring.ellipse)
         panel.path(points, _CANDIDATE, closed=True)

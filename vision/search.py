@@ -2,12 +2,15 @@
 
 import itertools
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from vision import gates
 from vision.candidates import Candidates, find_candidates
 from vision.conics import Ellipse, ellipse_from_conic
+from vision.contour import ContourFit
 from vision.corrected_image import CorrectedImage
 from vision.detection import QUICK, THOROUGH, Effort
 from vision.devices import CArm, Guide
@@ -15,7 +18,7 @@ from vision.first_pose import LEAST_LINE_CONTRAST, FirstView, RingView, first_vi
 from vision.measuring import Scene
 from vision.projection import ring_conic
 from vision.refusal import Refusal, RefusalCode
-from vision.solution import Attempt, Solution, solve
+from vision.solution import Attempt, Round, Solution, solve
 from vision.wire_model import sample_wires
 
 _FINAL = frozenset({RefusalCode.MIRRORED, RefusalCode.AMBIGUOUS})  # looking harder changes nothing about these
@@ -54,11 +57,9 @@ def search(image: CorrectedImage, scene: Scene, carm: CArm) -> Search:
     quick = _search(image, scene, carm, QUICK)
     if isinstance(quick.outcome, Refusal):
         return quick if quick.outcome.code in _FINAL else _search(image, scene, carm, THOROUGH)
-    owned = _rings_of(quick.outcome)
-    for ring in quick.candidates.rings:
-        beside = not any(_one_ring(ring.ellipse, own, _BESIDE_RING) for own in owned)
-        if beside and ring.support > _RING_SUPPORT:
-            return _search(image, scene, carm, THOROUGH)
+    left_over = [ring.ellipse for ring in quick.candidates.rings if ring.support > _RING_SUPPORT]
+    if any(_is_beside((ring,), quick.outcome) for ring in left_over):
+        return _search(image, scene, carm, THOROUGH)
     return quick
 
 
@@ -73,36 +74,46 @@ def _search(image: CorrectedImage, scene: Scene, carm: CArm, effort: Effort) -> 
             attempts += [_attempt(first, scene, image) for first in firsts]
     passed = _passed(attempts)
     outcome = _only_outcome(passed, attempts)
-    if not isinstance(outcome, Refusal) and any(_is_other_guide(pair, outcome) for pair in candidates.pairs):
+    if isinstance(outcome, Solution) and _sees_other_guide(candidates.pairs, attempts, outcome):
         message = "guides seen in the image, by their rings"
         outcome = Refusal(RefusalCode.AMBIGUOUS, message, 2, 1)
     return Search(candidates, attempts, passed, outcome)
 
 
-def _is_other_guide(pair: RingView, solution: Solution) -> bool:
-    """Whether both rings of a pair are clearly there and neither is the solution's, whatever became of its line."""
-    owned = _rings_of(solution)
-    found = (pair.rings.small, pair.rings.big)
-    beside = not any(_one_ring(ring, own, _BESIDE_RING) for ring in found for own in owned)
-    return beside and min(pair.supports) > _HARDLY_THERE
+def _sees_other_guide(pairs: list[RingView], attempts: list[Attempt], solution: Solution) -> bool:
+    """Whether both rings of another guide are clearly there, found or fitted, whatever became of its line and bead."""
+    found = [(pair.rings.small, pair.rings.big) for pair in pairs if min(pair.supports) > _HARDLY_THERE]
+    fitted = [_rings_of(attempt.last.fit) for attempt in attempts if attempt.last and _holds_both_rings(attempt.last)]
+    return any(_is_beside(rings, solution) for rings in (*found, *fitted))
+
+
+def _holds_both_rings(fitted: Round) -> bool:
+    measured = fitted.measured
+    refusal = gates.check_coverage(fitted.fit, measured.observations, measured.places)
+    return (refusal or gates.check_residual(fitted.fit)) is None
+
+
+def _is_beside(rings: Iterable[Ellipse], solution: Solution) -> bool:
+    """Whether no ring is one of the solution's."""
+    both = itertools.product(rings, _rings_of(solution.fit))
+    return not any(_one_ring(ring, own, _BESIDE_RING) for ring, own in both)
 
 
 def _is_remnant(pair: RingView, outcome: Solution | Refusal) -> bool:
     """Whether a pair is made of one ring of a guide that passed and of another that is hardly there."""
     if isinstance(outcome, Refusal) or min(pair.supports) > _HARDLY_THERE:
         return False
-    both = itertools.product((pair.rings.small, pair.rings.big), _rings_of(outcome))
+    both = itertools.product((pair.rings.small, pair.rings.big), _rings_of(outcome.fit))
     return any(_one_ring(found, ring) for found, ring in both)
 
 
-def _rings_of(solution: Solution) -> list[Ellipse]:
-    """The ellipses of a solution's rings."""
-    fit = solution.fit
+def _rings_of(fit: ContourFit) -> tuple[Ellipse, ...]:
+    """The ellipses of a fit's rings."""
     conics = (
         ring_conic(fit.view, fit.guide.small_ring_radius_mm, 0.0),
         ring_conic(fit.view, fit.guide.big_ring_radius_mm, -fit.guide.separation_mm),
     )
-    return [ellipse for ellipse in map(ellipse_from_conic, conics) if ellipse is not None]
+    return tuple(ellipse for ellipse in map(ellipse_from_conic, conics) if ellipse is not None)
 
 
 def _one_ring(one: Ellipse, other: Ellipse, within: float = _ONE_RING_WITHIN) -> bool:

@@ -22,8 +22,9 @@ _PAGE = Template("""<!DOCTYPE html>
 <h1>Inspection of $count images, $refused refused</h1>
 <p>Left the whole image without its distortion: balls of the plate with their residuals, those left out in red. Right
 the guide: small ring blue, big ring orange, line pink, bead yellow, the 12 fiducials white, target and 95&nbsp;% bounds
-green. Below, the residuals along each wire; the white curve is their running mean. Exaggerations stand in each
-picture's head. Research software, not for clinical use.</p>
+green. Of a refused image the fit as far as it came, and in dull blue all that was taken for a ring, with the share of
+its circumference that was found. Below, the residuals along each wire; the white curve is their running mean.
+Exaggerations stand in each picture's head. Research software, not for clinical use.</p>
 <table>
 <tr><th>image<th>result<th>measured<th>limit<th>residual, px<th>balls<th>bound, deg<th>bound, mm</tr>
 $rows
@@ -89,7 +90,9 @@ def _section(number: int, entry: Entry) -> str:
     if entry.picture is not None:
         source = escape(entry.picture, quote=True)
         picture = f'<a href="{source}"><img src="{source}" alt="what was found in the image" loading="lazy"></a>'
+    measured = "" if entry.measured is None else f": {_text(entry.measured)}"
+    limit = "" if entry.limit is None else f", limit {_text(entry.limit)}"
     return (
         f'<h2 id="image-{number}">{escape(entry.name)}: <span class="{kind}">{escape(entry.code)}</span></h2>\n'
-        f"<p>{escape(entry.message)}</p>\n{picture}"
+        f"<p>{escape(entry.message)}{measured}{limit}</p>\n{picture}"
     )

@@ -15,7 +15,7 @@ from vision.targeting import Targeting, target
 from vision.xray import XrayImage
 
 WRONG_DEG, WRONG_MM = 0.5, 1.0
-_SEEDS = {Fault.SEPARATION: (1, 7, 15), Fault.SECOND_GUIDE: (16, 19, 27)}  # accepted and wrong, once
+_SEEDS = {Fault.SEPARATION: (1, 7, 15), Fault.SECOND_GUIDE: (16, 19, 27, 10054)}  # accepted and wrong, once
 _ALWAYS_REFUSED = {
     Fault.MIRRORED: {RefusalCode.MIRRORED},
     Fault.LINE_HIDDEN: {RefusalCode.LINE_MISSING},
