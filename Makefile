@@ -9,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests audit-bench bench samples scenes two-images faulted side-by-side tcp format docs lock
+.PHONY: help demo run test check tests test-postgresql audit-bench bench samples scenes two-images faulted side-by-side tcp format docs lock
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -28,13 +28,21 @@ check: $(VENV)/.test  ## formatting, lint, types, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# What every database must do alike: records that refuse changes, the ledger, contested writes. The rest on demand.
+ON_POSTGRESQL := $(addprefix tests/service/,ledger test_engines.py test_event_store.py test_migrations.py)
+
 # What keeps real time (the arm's 125 Hz, a heartbeat's 200 ms) mostly waits: two files at a time disturb one another
 # little, calculations beside them would.
 tests: $(VENV)/.test
 	@for need in dcmtk:storescu postgresql:pg_lsclusters; do command -v $${need#*:} >/dev/null || \
 	  { echo "missing Debian package: apt-get install $${need%:*}"; exit 1; }; done
 	$(BIN)/python -m pytest -n 2 -m "not real_time"
+	$(BIN)/python -m pytest -n 2 --database postgresql $(ON_POSTGRESQL)
 	$(BIN)/python -m pytest -n 2 --dist loadfile -m real_time
+
+test-postgresql: $(VENV)/.test  ## every test that opens a database, on PostgreSQL
+	$(BIN)/python -m pytest -n 2 --database postgresql -m "not real_time" tests/service
+	$(BIN)/python -m pytest -n 2 --dist loadfile --database postgresql -m real_time tests/service tests/system
 
 bench: $(VENV)/.runtime  ## time register against OpenCV on the images of SAMPLES=folder, or on rendered ones; memory, both cores
 	$(BIN)/python benchmarks/speed.py $(SAMPLES)

@@ -1,11 +1,7 @@
-"""Real components: SQLite on disk, the whole service behind a real socket; only password hashing is made cheap."""
+"""Real components: a database on disk, the whole service behind a real socket; only password hashing is made cheap."""
 
 import asyncio
-import os
 import shutil
-import socket
-import subprocess
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -26,37 +22,32 @@ from service.app import create_app
 from service.auth.permissions import Role
 from service.auth.users import UserStore
 from service.database.engines import Database, open_database
-from service.database.migrate import migrate
 from service.parts import Parts
 from service.serving import server_config
 from service.settings import DicomSettings, HttpSettings, Settings
+from tests.databases import Databases
 
-_PROGRAMS = sorted(Path("/usr/lib/postgresql").glob("*/bin/initdb"))
 PASSWORD, PIN = "correct horse", "2468"
 CHEAP_HASHER = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
 
 
 @pytest.fixture
-def settings(tmp_path: Path) -> Settings:
-    return Settings(data_folder=tmp_path, min_free_bytes=0, http=HttpSettings(port=0), dicom=DicomSettings(port=0))
+def settings(tmp_path: Path, databases: Databases) -> Iterator[Settings]:
+    with databases.empty(tmp_path) as address:
+        yield _settings(tmp_path, address)
 
 
-@pytest.fixture(scope="session")
-def migrated_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An empty database with today's schema: migrating takes a third of a second, copying nothing."""
-    file = tmp_path_factory.mktemp("migrated") / "coaxial.sqlite"
-    database = open_database(f"sqlite:///{file}")
-    migrate(database)
-    database.close()
-    return file
+def _settings(folder: Path, address: str) -> Settings:
+    any_port = {"http": HttpSettings(port=0), "dicom": DicomSettings(port=0)}
+    return Settings(data_folder=folder, database_url=address, min_free_bytes=0, **any_port)
 
 
 @pytest.fixture
-def database(tmp_path: Path, migrated_file: Path) -> Iterator[Database]:
-    file = shutil.copy(migrated_file, tmp_path / "coaxial.sqlite")
-    database = open_database(f"sqlite:///{file}")
-    yield database
-    database.close()
+def database(tmp_path: Path, databases: Databases) -> Iterator[Database]:
+    with databases.migrated(tmp_path) as address:
+        database = open_database(address)
+        yield database
+        database.close()
 
 
 @pytest.fixture
@@ -85,11 +76,11 @@ class RunningService:
 
 
 @pytest.fixture(scope="module")
-def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningService]:
+def running(tmp_path_factory: pytest.TempPathFactory, databases: Databases) -> Iterator[RunningService]:
     """One service per module of tests; tests in it share its database."""
     folder = tmp_path_factory.mktemp("service")
-    settings = Settings(data_folder=folder, min_free_bytes=0, http=HttpSettings(port=0), dicom=DicomSettings(port=0))
-    yield from serve_in_thread(settings)
+    with databases.empty(folder) as address:
+        yield from serve_in_thread(_settings(folder, address))
 
 
 @pytest.fixture(scope="session")
@@ -174,30 +165,3 @@ _GUIDE = (_DEVICES / "guide.toml").read_text()
 _CARM = (_DEVICES / "flat-panel.toml").read_text()
 _TCP = (_DEVICES / "tcp.toml").read_text().replace("[0.0, 0.0, 0.0]", "[0.0, 0.0, 90.0]")  # a turned guide
 _ROOM = (_DEVICES / "room.toml").read_text()
-
-
-def _free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as probe:
-        return probe.getsockname()[1]
-
-
-@pytest.fixture(scope="session")
-def postgresql_address() -> Iterator[str]:
-    """An empty server; it refuses to run as root, and then needs its data where its own user can go."""
-    if not _PROGRAMS:
-        pytest.skip("needs a server: apt-get install postgresql")
-    programs, folder, port = _PROGRAMS[-1].parent, Path(tempfile.mkdtemp()), _free_port()
-    account = "postgres" if os.geteuid() == 0 else None
-    if account:
-        shutil.chown(folder, account)
-
-    def run(program: str, *arguments: str) -> None:
-        command = [str(programs / program), "-D", str(folder / "data"), *arguments]
-        subprocess.run(command, user=account, check=True, cwd=folder, timeout=60, stdout=subprocess.DEVNULL)
-
-    run("initdb", "--auth=trust", "--username=coaxial", "--no-sync")
-    options = f"-c listen_addresses=127.0.0.1 -c fsync=off -p {port} -k {folder}"
-    run("pg_ctl", "-o", options, "-l", str(folder / "log"), "-w", "start")
-    yield f"postgresql://coaxial@127.0.0.1:{port}/postgres"
-    run("pg_ctl", "-m", "immediate", "stop")
-    shutil.rmtree(folder)

@@ -1,7 +1,5 @@
 """H30: a case that was opened under other settings, another program or other device bytes goes no further."""
 
-import sqlite3
-
 import pytest
 
 from service.auth.permissions import Role
@@ -37,24 +35,23 @@ def _refused(case):
     return {trigger: found["configuration"] for trigger, found in reasons.items() if "configuration" in found}
 
 
-def _other_program(monkeypatch, _settings):
+def _other_program(monkeypatch, _settings, _databases):
     monkeypatch.setattr("service.conductor.configuration.PRODUCT_VERSION", "9.9.9")
 
 
-def _other_settings(_monkeypatch, settings):
+def _other_settings(_monkeypatch, settings, _databases):
     return settings.model_copy(update={"limits": ProcedureLimits(angle_error_deg=2.0)})
 
 
-def _other_device_bytes(_monkeypatch, settings):
-    with sqlite3.connect(settings.data_folder / "coaxial.sqlite") as connection:
-        connection.execute("DROP TRIGGER device_files_refuse_update")
-        connection.execute("UPDATE device_files SET content = CAST(content || x'0a' AS BLOB) WHERE kind = 'tcp'")
-    connection.close()
+def _other_device_bytes(_monkeypatch, settings, databases):
+    with databases.attack(settings.database_url) as attacker:
+        (content,) = attacker.execute("SELECT content FROM device_files WHERE kind = 'tcp'").fetchone()
+        attacker.execute("UPDATE device_files SET content = ? WHERE kind = 'tcp'", [content + b"\n"])
 
 
 @pytest.mark.parametrize("change", [_other_program, _other_settings, _other_device_bytes])
-def test_after_a_change_the_case_goes_no_further_but_can_be_ended(left_open, serving, monkeypatch, change):
-    settings = change(monkeypatch, left_open) or left_open
+def test_after_a_change_the_case_goes_no_further_but_can_be_ended(left_open, serving, monkeypatch, databases, change):
+    settings = change(monkeypatch, left_open, databases) or left_open
     with serving(settings) as room, _surgeon(room) as surgeon:
         case = surgeon.case(surgeon.get_list("/cases")[0]["id"])
         reason = _refused(case)["carm_position_confirmed"]

@@ -45,7 +45,8 @@ def test_no_acknowledged_event_is_lost_and_none_is_half_there(database, users, s
     with database.read() as connection:
         events = store.events_after(connection, "case-1", limit=100_000)
         motions = store.artefacts_of(connection, ArtefactKind.MOTION, "case-1")
-        assert connection.exec_driver_sql("PRAGMA integrity_check").scalar() == "ok"
+        if connection.dialect.name == "sqlite":
+            assert connection.exec_driver_sql("PRAGMA integrity_check").scalar() == "ok"
     assert [event.sequence for event in events] == list(range(1, len(events) + 1))
     assert len(events) >= acknowledged[-1], "an acknowledged event is lost"
     assert [motion.sequence for motion in motions] == [event.sequence for event in events[1:]]

@@ -199,6 +199,7 @@ def test_a_failing_listener_does_not_make_a_stored_image_fail(database, storescu
     assert len(arrived) == 1
 
 
+@pytest.mark.sqlite
 def test_bytes_that_cannot_be_committed_are_answered_with_failure(receive, make_xray):
     room = receive()
     with room.database.writer.connect() as connection:

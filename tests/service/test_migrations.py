@@ -14,10 +14,11 @@ from service.errors import ErrorCode, ServiceError
 
 
 @pytest.fixture
-def empty(tmp_path):
-    database = open_database(f"sqlite:///{tmp_path / 'empty.sqlite'}")
-    yield database
-    database.close()
+def empty(databases, tmp_path):
+    with databases.empty(tmp_path) as address:
+        database = open_database(address)
+        yield database
+        database.close()
 
 
 def _revision(database) -> str | None:

@@ -17,12 +17,13 @@ import pytest
 from service.auth.permissions import Role
 
 _COAXIAL = [sys.executable, "-c", "from service.cli.main import main; main()"]
+_ADDRESS = "COAXIAL_DATABASE_URL"
 _SECRETS = {"COAXIAL_PASSWORD": "correct horse", "COAXIAL_PIN": "2468"}
 
 
 def _environment(folder: Path, **more: str) -> dict[str, str]:
     """Free ports; nothing of the caller's own settings."""
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("COAXIAL_")}
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("COAXIAL_") or name == _ADDRESS}
     ours = {"COAXIAL_DATA_FOLDER": str(folder), "COAXIAL_HTTP__PORT": "0", "COAXIAL_MIN_FREE_BYTES": "0"}
     return kept | ours | {"COAXIAL_DICOM__PORT": "0"} | more
 
@@ -50,9 +51,18 @@ def _sign_in(url: str) -> httpx.Client:
 
 
 @pytest.fixture
-def folder(tmp_path, users):
+def empty_folder(tmp_path, databases, monkeypatch):
+    """A data folder whose database has no schema yet."""
+    with databases.empty(tmp_path) as address:
+        monkeypatch.setenv(_ADDRESS, address)
+        yield tmp_path
+
+
+@pytest.fixture
+def folder(tmp_path, database, users, monkeypatch):
     """A data folder with a first user."""
     users.add("anna", Role.SURGEON, "correct horse", "2468")
+    monkeypatch.setenv(_ADDRESS, str(database.writer.url))
     return tmp_path
 
 
@@ -129,10 +139,10 @@ def test_a_taken_http_port_ends_the_service_and_frees_the_room(folder):
         assert url.startswith("http://127.0.0.1:")
 
 
-def test_the_first_user_makes_the_database_and_can_sign_in(tmp_path):
-    added = _coaxial(tmp_path, "user", "add", "anna", "--role", "surgeon", **_SECRETS)
+def test_the_first_user_makes_the_database_and_can_sign_in(empty_folder):
+    added = _coaxial(empty_folder, "user", "add", "anna", "--role", "surgeon", **_SECRETS)
     assert (added.returncode, added.stdout) == (0, "added anna as surgeon\n"), added.stderr
-    with _serving(tmp_path) as (_, url), _sign_in(url) as client:
+    with _serving(empty_folder) as (_, url), _sign_in(url) as client:
         assert client.get("/session").json()["role"] == "surgeon"
 
 

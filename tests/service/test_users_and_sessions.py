@@ -75,10 +75,13 @@ def test_a_name_is_taken_once(users, anna):
 
 def test_neither_password_nor_pin_nor_token_is_in_the_database(database, users, anna, sessions, tmp_path):
     token, _ = sessions.create(anna)
+    with database.read() as connection:
+        rows = repr([list(connection.execute(sa.select(table))) for table in tables.metadata.sorted_tables]).encode()
     database.close()
     content = b"".join(file.read_bytes() for file in tmp_path.iterdir())
+    assert b"anna" in rows
     for secret in ("correct horse", token):
-        assert secret.encode() not in content
+        assert secret.encode() not in rows + content
 
 
 def test_password_and_pin_are_checked(proofs, sessions, anna):

@@ -1,6 +1,7 @@
 """Service and controller as processes of their own, and a surgeon's client: only public interfaces are used."""
 
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,8 @@ from service.auth.permissions import Role
 from service.auth.users import UserStore
 from service.client import Case, Coaxial
 from service.database.engines import open_database
-from service.database.migrate import migrate
 from simulator.controller import ControllerProcess, ControllerSettings, Payload, free_loopback_address
+from tests.databases import Databases
 from tests.system.carm import CArm
 from tests.system.service_process import PASSWORD, PIN, Service
 from tests.system.walk import Walk, lift, until
@@ -64,27 +65,31 @@ def controller() -> Iterator[ControllerProcess]:
 
 
 @pytest.fixture(scope="module")
-def start_service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[str | None], Service]]:
+def start_service(
+    tmp_path_factory: pytest.TempPathFactory, databases: Databases
+) -> Iterator[Callable[[str | None], Service]]:
     """Services on fresh data folders with one user of each role; none is left running."""
-    started: list[Service] = []
+    with ExitStack() as stack:
 
-    def start(arm_address: str | None) -> Service:
-        service = Service(tmp_path_factory.mktemp("data"), arm_address)
-        started.append(service)
-        _add_users(service.folder)
-        service.start()
-        return service
+        def start(arm_address: str | None) -> Service:
+            folder = tmp_path_factory.mktemp("data")
+            service = Service(folder, arm_address, stack.enter_context(databases.migrated(folder)))
+            _add_users(service.database_url)
+            service.start()
+            stack.callback(_end, service)
+            return service
 
-    yield start
-    for service in started:
-        if service.process.poll() is None:
-            service.end()
+        yield start
 
 
-def _add_users(folder: Path) -> None:
+def _end(service: Service) -> None:
+    if service.process.poll() is None:
+        service.end()
+
+
+def _add_users(database_url: str) -> None:
     """One of each role, with hashes that cost no time."""
-    database = open_database(f"sqlite:///{folder / 'coaxial.sqlite'}")
-    migrate(database)
+    database = open_database(database_url)
     users = UserStore(database, PasswordHasher(time_cost=1, memory_cost=8, parallelism=1))
     for role in Role:
         users.add(role.value, role, PASSWORD, PIN)

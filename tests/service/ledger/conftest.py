@@ -1,8 +1,8 @@
-"""A small record with a row in every table, signed and anchored, and an attacker who may write its file."""
+"""A small record with a row in every table, signed and anchored, and an attacker who may write it."""
 
 import shutil
-import sqlite3
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,6 +27,7 @@ from service.ledger.findings import Finding
 from service.ledger.keys import Signer, signing_key
 from service.ledger.rows import add_rows
 from service.ledger.verifying import verify
+from tests.databases import ALL, Attacker, Databases
 
 CASE = "case-1"
 _PLAN = {"entry_mm": [0.0, 0.0, 0.1], "target_mm": [0.0, 40.0, 0.0]}
@@ -38,39 +39,36 @@ _VERDICTS = (
 
 @dataclass(frozen=True)
 class Record:
-    """A database file with its key and its anchor."""
+    """A database with its key and its anchor."""
 
     folder: Path
     signer: Signer
-
-    @property
-    def file(self) -> Path:
-        return self.folder / "coaxial.sqlite"
+    databases: Databases
+    address: str
 
     @property
     def anchor(self) -> Path:
         return self.folder / "head.json"
 
     def open(self) -> Database:
-        return open_database(f"sqlite:///{self.file}", self.signer)
+        return open_database(self.address, self.signer)
 
     def findings(self) -> list[Finding]:
-        database = self.open()
-        try:
+        with closing(self.open()) as database:
             return verify(database, {self.signer.verifier.name: self.signer.verifier}, self.anchor).findings
-        finally:
-            database.close()
 
     def wheres(self) -> set[str]:
         return {finding.where for finding in self.findings()}
 
-    def attack(self, change: Callable[[sqlite3.Connection], object]) -> None:
-        """Change the file as somebody does who has it: no triggers, no foreign keys."""
-        with sqlite3.connect(self.file) as connection:
-            for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'trigger'").fetchall():
-                connection.execute(f"DROP TRIGGER {name}")
-            change(connection)
-        connection.close()
+    def attack(self, change: Callable[[Attacker], object]) -> None:
+        """Change the database as somebody does who has it: no triggers, no foreign keys."""
+        with self.databases.attack(self.address) as attacker:
+            change(attacker)
+
+    def rows(self) -> dict[str, list[sa.Row[tuple[object, ...]]]]:
+        """Every record row and every entry."""
+        with closing(self.open()) as database, database.read() as connection:
+            return {table.name: list(connection.execute(sa.select(table))) for table in ALL}
 
 
 def fill(database: Database) -> None:
@@ -135,24 +133,23 @@ def _event(trigger: str, user_id: str) -> NewEvent:
 
 
 @pytest.fixture(scope="session")
-def kept_record(tmp_path_factory: pytest.TempPathFactory) -> Record:
+def kept_record(tmp_path_factory: pytest.TempPathFactory, databases: Databases) -> Iterator[Record]:
     """Made once; tests work on copies."""
     folder = tmp_path_factory.mktemp("record")
-    made = Record(folder, signing_key(folder / "signing.key"))
-    database = made.open()
-    migrate(database)
-    fill(database)
-    advance_anchor(database, made.anchor, made.signer)
-    database.close()
-    return made
+    with databases.empty(folder) as address:
+        made = Record(folder, signing_key(folder / "signing.key"), databases, address)
+        with closing(made.open()) as database:
+            migrate(database)
+            fill(database)
+            advance_anchor(database, made.anchor, made.signer)
+        yield made
 
 
 @pytest.fixture
-def record(kept_record: Record, tmp_path: Path) -> Iterator[Record]:
-    copied = Record(tmp_path, kept_record.signer)
-    shutil.copy(kept_record.file, copied.file)
-    shutil.copy(kept_record.anchor, copied.anchor)
-    return copied
+def record(kept_record: Record, tmp_path: Path, databases: Databases) -> Iterator[Record]:
+    shutil.copy(kept_record.anchor, tmp_path)
+    with databases.copied(kept_record.address, tmp_path) as address:
+        yield Record(tmp_path, kept_record.signer, databases, address)
 
 
 @pytest.fixture(scope="session")

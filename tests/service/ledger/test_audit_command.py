@@ -20,8 +20,9 @@ def folder(record, kept_record):
 
 
 @pytest.fixture
-def run(folder, monkeypatch):
+def run(record, folder, monkeypatch):
     monkeypatch.setenv("COAXIAL_MIN_FREE_BYTES", "0")
+    monkeypatch.setenv("COAXIAL_DATABASE_URL", record.address)
     return lambda *arguments: CliRunner().invoke(audit, [*arguments, "--data-folder", str(folder)])
 
 

@@ -25,8 +25,9 @@ _RECORD_NAMES = "|".join(table.name for table in tables.RECORDS)
 
 
 def _entries(database):
+    query = sa.select(tables.ledger.c.entry).order_by(tables.ledger.c.sequence)
     with database.read() as connection:
-        return [json.loads(text) for text in connection.execute(sa.select(tables.ledger.c.entry)).scalars()]
+        return [json.loads(text) for text in connection.execute(query).scalars()]
 
 
 def _checkpoints(database):
