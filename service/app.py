@@ -10,6 +10,7 @@ import service.cases.router
 import service.devices.router
 import service.images.router
 import service.ledger.router
+import service.pacs.router
 from service import room_status
 from service.assembly import assemble
 from service.conductor.background import conducting
@@ -17,6 +18,7 @@ from service.conductor.routers import CONDUCTOR_ROUTERS
 from service.edge import Edge
 from service.ledger.keeping import keeping_ledger
 from service.openapi import described_by
+from service.pacs.delivering import delivering
 from service.parts import Parts
 from service.problem_json import add_problem_handlers
 from service.settings import Settings
@@ -30,10 +32,15 @@ ROUTERS: tuple[APIRouter, ...] = (
     service.devices.router.router,
     service.images.router.router,
     service.ledger.router.router,
+    service.pacs.router.router,
     *CONDUCTOR_ROUTERS,
 )
 # What runs beside the requests: entered in this order once the parts are up, left in reverse before they close.
-BACKGROUND: tuple[Callable[[FastAPI, Parts], AbstractAsyncContextManager[None]], ...] = (keeping_ledger, conducting)
+BACKGROUND: tuple[Callable[[FastAPI, Parts], AbstractAsyncContextManager[None]], ...] = (
+    keeping_ledger,
+    conducting,
+    delivering,
+)
 
 _DESCRIPTION = "Robot-assisted needle placement under C-arm fluoroscopy. Research software, not for clinical use."
 

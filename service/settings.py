@@ -51,6 +51,14 @@ class DicomSettings(_Section):
     min_side_px: int = Field(default=64, gt=0)
 
 
+class PeerSettings(_Section):
+    """A DICOM peer of the hospital's that the service calls; without a host it calls none."""
+
+    host: str | None = None
+    port: int = Field(default=104, ge=1, le=65535)
+    ae_title: str = Field(default="PACS", min_length=1, max_length=16)
+
+
 class SessionSettings(_Section):
     """How long a sign-in lasts, when it locks, and how many wrong answers are borne."""
 
@@ -112,6 +120,8 @@ class Settings(BaseSettings):
     min_free_bytes: int = Field(default=500_000_000, ge=0)
     http: HttpSettings = HttpSettings()
     dicom: DicomSettings = DicomSettings()
+    pacs: PeerSettings = PeerSettings()  # takes pictures, errors and report of each case that is over
+    worklist: PeerSettings = PeerSettings()  # knows who is next
     session: SessionSettings = SessionSettings()
     vision: VisionSettings = VisionSettings()
     limits: ProcedureLimits = ProcedureLimits()

@@ -49,6 +49,17 @@ def register(image: bytes, guide: bytes, carm: bytes) -> Json:
     return refusal_to_json(findings.result) | _picture(decoded, guide_file, carm_file, findings)
 
 
+def annotate(image: bytes, guide: bytes, carm: bytes, raw_px: tuple[float, float] | None, depth_mm: float) -> Json:
+    """The picture of what is found in an image, with the target where there is one, as those who look later see it."""
+    decoded = decode(image)
+    if isinstance(decoded, Refusal):
+        return refusal_to_json(decoded)
+    guide_file, carm_file = read_guide(guide), read_carm(carm)
+    findings = examine(decoded, guide_file, carm_file)
+    inspection = inspect(decoded, guide_file, carm_file, findings, raw_px, PixelSpace.RAW, depth_mm)
+    return {"status": "drawn", "picture_png_base64": base64.b64encode(png(draw(inspection))).decode()}
+
+
 def target(registration: Json, raw_px: tuple[float, float], depth_mm: float, errors: Json) -> Json:
     """Where the guide must go, and what else that moves meanwhile the next image will see."""
     registered = from_json(registration)
@@ -136,4 +147,6 @@ def echo(image: bytes, registration: Json, pixel: tuple[float, float], space: st
     return {"status": "drawn"} | points | draw_point(decoded.pixels, raw_px)
 
 
-JOBS: dict[str, Callable[..., Json]] = {job.__name__: job for job in (register, target, evaluate, carm_angles, echo)}
+JOBS: dict[str, Callable[..., Json]] = {
+    job.__name__: job for job in (register, annotate, target, evaluate, carm_angles, echo)
+}

@@ -112,6 +112,13 @@ def events_after(connection: Connection, case_id: str, sequence: int = 0, limit:
     return [_event(row) for row in connection.execute(query.order_by(events.c.sequence).limit(limit))]
 
 
+def events_of_kind(connection: Connection, case_id: str, triggers: Sequence[str]) -> list[StoredEvent]:
+    """Every event of a case with one of these triggers, oldest first."""
+    events = tables.events
+    query = sa.select(events).where(events.c.case_id == case_id, events.c.trigger.in_(triggers))
+    return [_event(row) for row in connection.execute(query.order_by(events.c.sequence))]
+
+
 def read_case(connection: Connection, case_id: str) -> StoredCase:
     """What was fixed when the case was opened; ServiceError CASE_UNKNOWN."""
     row = connection.execute(sa.select(tables.cases).where(tables.cases.c.id == case_id)).first()

@@ -239,6 +239,25 @@ permit_uses = _artefact("permit_uses", sa.ForeignKeyConstraint(["id"], ["permits
 motions = _artefact("motions", Column("trajectory", LargeBinary))
 evaluations = _artefact("evaluations", Column("image_id", ForeignKey("images.id"), nullable=False))
 insertions = _artefact("insertions")
+outgoing_objects = Table(
+    "outgoing_objects",
+    metadata,
+    _id(),  # the SOP instance UID
+    _case(),
+    Column("kind", String(24), nullable=False),
+    Column("sop_class", String(64), nullable=False),
+    Column("sha256", ForeignKey("image_bytes.sha256"), nullable=False),
+    _at("queued_at"),
+)
+deliveries = Table(
+    "deliveries",
+    metadata,
+    _row_number(),
+    Column("object_id", ForeignKey("outgoing_objects.id"), nullable=False, index=True),
+    Column("accepted", Boolean, nullable=False),
+    Column("answer", String, nullable=False),
+    _at(),
+)
 
 # --- the ledger over the records -------------------------------------------------------------------------------------
 # `entry` is what is hashed; the columns behind it repeat parts of it to be searched by.
@@ -284,6 +303,8 @@ RECORDS: tuple[Table, ...] = (
     motions,
     evaluations,
     insertions,
+    outgoing_objects,
+    deliveries,
 )
 LEDGER: tuple[Table, ...] = (ledger, checkpoints)
 MUTABLE: tuple[Table, ...] = (users, sessions, lock_outs, leases, room_claims, idempotency_keys)

@@ -1,0 +1,152 @@
+"""What a case leaves, sent to a real Orthanc and read back from it."""
+
+import json
+import shutil
+import subprocess
+import time
+from contextlib import closing, contextmanager
+from io import BytesIO
+
+import httpx
+import pytest
+from pydicom import dcmread
+
+from service.auth.permissions import Role
+from service.cases.verifications import verifications_of
+from service.database.engines import open_database
+from service.pacs import outbox
+from service.pacs.delivering import send_waiting
+from service.settings import DicomSettings, HttpSettings, PeerSettings, Settings
+
+_CASE = "case-1"
+
+
+@pytest.fixture
+def archive(tmp_path, program_at_work):
+    """An Orthanc on two ports; the folder outlives it."""
+
+    @contextmanager
+    def start(dicom_port: int, http_port: int):
+        settings = {
+            "DicomPort": dicom_port,
+            "DicomAet": "PACS",
+            "HttpPort": http_port,
+            "RemoteAccessAllowed": False,
+            "AuthenticationEnabled": False,
+            "StorageDirectory": str(tmp_path / "orthanc"),
+            "Plugins": [],
+            "DicomCheckCalledAet": True,
+        }
+        (tmp_path / "orthanc.json").write_text(json.dumps(settings))
+        running = program_at_work(dicom_port, "Orthanc", str(tmp_path / "orthanc.json"))
+        with running, httpx.Client(base_url=f"http://127.0.0.1:{http_port}", timeout=20) as client:
+            yield client
+
+    return start
+
+
+@pytest.fixture
+def left_behind(tmp_path, migrated_file, users_of, add_case_that_is_over):
+    """A data folder with the record of a case that is over."""
+    file = shutil.copy(migrated_file, tmp_path / "coaxial.sqlite")
+    database = open_database(f"sqlite:///{file}")
+    add_case_that_is_over(database, users_of(database))
+    database.close()
+    return tmp_path
+
+
+def _settings(folder, port: int) -> Settings:
+    return Settings(
+        data_folder=folder,
+        min_free_bytes=0,
+        http=HttpSettings(port=0),
+        dicom=DicomSettings(port=0),
+        pacs=PeerSettings(host="127.0.0.1", port=port),
+    )
+
+
+def _sent(service) -> list[dict]:
+    with service.client(Role.AUDITOR) as client:
+        return client.get(f"/cases/{_CASE}/sent").json()
+
+
+def _until(condition, seconds: float = 60.0) -> None:
+    give_up = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < give_up
+        time.sleep(0.1)
+
+
+@pytest.mark.timeout(180)
+def test_what_an_archive_that_was_down_missed_reaches_it_after_a_restart(
+    left_behind, serving, archive, free_ports, tmp_path
+):
+    dicom_port, http_port = free_ports(2)
+    with serving(_settings(left_behind, dicom_port)) as service:
+        _until(lambda: len(_sent(service)) == 3)
+        assert not any(one["delivered"] for one in _sent(service))
+    with archive(dicom_port, http_port) as peer, serving(_settings(left_behind, dicom_port)) as service:
+        _until(lambda: all(one["delivered"] for one in _sent(service)))
+        assert {one["answer"] for one in _sent(service)} == {"status 0x0000"}
+        send_waiting(service.parts)
+        instances = [peer.get(f"/instances/{one}/file").content for one in peer.get("/instances").json()]
+    kept = {str(dataset.SOPInstanceUID): dataset for dataset in (dcmread(BytesIO(one)) for one in instances)}
+    with (
+        closing(open_database(f"sqlite:///{left_behind / 'coaxial.sqlite'}")) as database,
+        database.read() as connection,
+    ):
+        assert kept.keys() == {one.id for one in outbox.objects_of(connection, _CASE)}
+        (verified,) = verifications_of(connection, _CASE)
+    _is_whole(kept, verified.figures, tmp_path)
+
+
+def _is_whole(kept, recorded, folder) -> None:
+    pictures = [one for one in kept.values() if one.Modality == "XA"]
+    (report,) = (one for one in kept.values() if one.Modality == "SR")
+    assert {one.PatientID for one in kept.values()} == {"P1"}
+    assert {str(one.PatientName) for one in kept.values()} == {"Doe^Jane"}
+    assert {one.StudyInstanceUID for one in kept.values()} == {"1.2.3"}
+    assert len({one.SeriesInstanceUID for one in kept.values()}) == 2
+    assert [one.pixel_array.shape[2] for one in pictures] == [3, 3]
+    assert sorted(one.ImageComments for one in pictures) == ["registration", "verification, L3 left"]
+    figures = _numbers(report)
+    assert figures["Target depth below the big ring"] == 80.0
+    assert figures["Position error by contours"] == pytest.approx(recorded["contour"]["position_error_mm"])
+    assert figures["Angle error by ring centres"] == pytest.approx(recorded["paper"]["angle_error_deg"])
+    assert figures["Guide origin z from source"] == pytest.approx(750.0, abs=10.0), "depth and focal length trade"
+    assert figures["Guide rotation vector x from source"] == pytest.approx(8.0, abs=0.5)
+    for uid, dataset in kept.items():
+        dataset.save_as(folder / f"{uid}.dcm")
+        checked = subprocess.run(
+            ["dciodvfy", folder / f"{uid}.dcm"], capture_output=True, text=True, timeout=60, check=False
+        )
+        assert "Error" not in checked.stdout + checked.stderr, checked.stderr
+
+
+def _numbers(item) -> dict[str, float]:
+    found = {}
+    for child in item.get("ContentSequence", ()):
+        if child.ValueType == "NUM":
+            name = child.ConceptNameCodeSequence[0].CodeMeaning
+            found[name] = float(child.MeasuredValueSequence[0].NumericValue)
+        found |= _numbers(child)
+    return found
+
+
+def test_what_is_made_again_is_the_same_object_and_what_repeats_is_no_news(database, surgeon, add_case_that_is_over):
+    add_case_that_is_over(database, surgeon)
+    made = outbox.DerivedObject("annotated_image", "1.2", "2.25.1", b"file")
+    with database.write() as connection:
+        outbox.queue(connection, _CASE, [made])
+    with database.read() as connection:
+        assert outbox.cases_to_prepare(connection) == []
+        (waiting,) = outbox.undelivered(connection)
+    for answer in ("no answer", "no answer", "status 0x0000"):
+        with database.write() as connection:
+            (waiting,) = outbox.undelivered(connection)
+            outbox.record_delivery(connection, waiting, answer, accepted=answer.startswith("status"))
+    with database.read() as connection:
+        assert outbox.undelivered(connection) == []
+        (sent,) = outbox.objects_of(connection, _CASE)
+        answers = connection.exec_driver_sql("SELECT answer FROM deliveries ORDER BY id").scalars().all()
+    assert (sent.delivered, answers) == (True, ["no answer", "status 0x0000"])
