@@ -34,7 +34,7 @@ ON_POSTGRESQL := $(addprefix tests/service/,ledger test_engines.py test_event_st
 # What keeps real time (the arm's 125 Hz, a heartbeat's 200 ms) mostly waits: two files at a time disturb one another
 # little, calculations beside them would.
 tests: $(VENV)/.test
-	@for need in dcmtk:storescu postgresql:pg_lsclusters; do command -v $${need#*:} >/dev/null || \
+	@for need in dcmtk:storescu dicom3tools:dciodvfy orthanc:Orthanc postgresql:pg_lsclusters; do command -v $${need#*:} >/dev/null || \
 	  { echo "missing Debian package: apt-get install $${need%:*}"; exit 1; }; done
 	$(BIN)/python -m pytest -n 2 -m "not real_time"
 	$(BIN)/python -m pytest -n 2 --database postgresql $(ON_POSTGRESQL)

@@ -27,6 +27,8 @@ from service.ledger.findings import Finding
 from service.ledger.keys import Signer, signing_key
 from service.ledger.rows import add_rows
 from service.ledger.verifying import verify
+from service.pacs.derived import DerivedObject, ObjectKind
+from service.pacs.outbox import queue, record_delivery, undelivered
 from tests.databases import ALL, Attacker, Databases
 
 CASE = "case-1"
@@ -90,6 +92,11 @@ def fill(database: Database) -> None:
             closed = "closed" if case_id == CASE else "case_open"
             event = NewEvent("case_closed" if case_id == CASE else "note", surgeon.id, closed, {}, {})
             store.append(connection, case_id, event, expected_version=None)
+    with database.write() as connection:
+        queue(connection, CASE, [DerivedObject(ObjectKind.ANNOTATED_IMAGE, "1.2.840", "2.25.7", b"a picture")])
+    with database.write() as connection:
+        (waiting,) = undelivered(connection)
+        record_delivery(connection, waiting, "status 0x0000", accepted=True)
     with database.write() as connection:
         record_audit(connection, "signed_out", surgeon.id, {"session": "s-1"})
 

@@ -12,6 +12,9 @@ from service.database.migrate import migrate
 from service.ledger.anchor import advance_anchor
 from service.ledger.beginning import TAKEN_IN
 
+# What later versions brought no old database holds.
+_OF_THE_FIRST = tuple(table for table in tables.RECORDS if table.name not in ("outgoing_objects", "deliveries"))
+
 
 @pytest.fixture
 def upgraded(record, databases, tmp_path):
@@ -23,7 +26,7 @@ def upgraded(record, databases, tmp_path):
         with closing(first.open()) as database:
             migrate(database, "0001")
             with closing(record.open()) as filled, filled.read() as source, database.writer.begin() as connection:
-                for table in (tables.users, *tables.RECORDS):
+                for table in (tables.users, *_OF_THE_FIRST):
                     connection.execute(sa.insert(table), [row._asdict() for row in source.execute(sa.select(table))])
             migrate(database)
             advance_anchor(database, first.anchor, record.signer)
@@ -34,13 +37,13 @@ def test_every_row_is_vouched_for_and_marked_as_older(upgraded):
     assert upgraded.findings() == []
     rows = upgraded.rows()
     entries = [json.loads(row.entry) for row in sorted(rows["ledger"])]
-    assert min(map(len, rows.values())) > 0
+    assert min(len(rows[table.name]) for table in _OF_THE_FIRST) > 0
     assert {entry["action"] for entry in entries[1:]} == {TAKEN_IN}
     assert all("not for the time before" in entry["payload"]["marker"] for entry in entries[1:])
-    assert {name for entry in entries for name in entry["rows"]} == {table.name for table in tables.RECORDS}
+    assert {name for entry in entries for name in entry["rows"]} == {table.name for table in _OF_THE_FIRST}
 
 
-@pytest.mark.parametrize("table", tables.RECORDS, ids=lambda table: table.name)
+@pytest.mark.parametrize("table", _OF_THE_FIRST, ids=lambda table: table.name)
 def test_from_then_on_a_deletion_is_found(upgraded, table):
     upgraded.attack(
         lambda c: c.execute(f"DELETE FROM {table.name} WHERE rowid = (SELECT min(rowid) FROM {table.name})")

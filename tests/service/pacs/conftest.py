@@ -44,21 +44,21 @@ def exposures() -> list[bytes]:
 
 
 @pytest.fixture(scope="session")
-def add_case_that_is_over(exposures, device_files) -> Callable[[Database, str], None]:
+def judged(exposures, device_files) -> tuple[dict, dict]:
+    """Registration and evaluation of the second image, held against the first."""
+    guide, carm = device_files["guide"].encode(), device_files["carm"].encode()
+    before, after = (register(image, guide, carm) for image in exposures)
+    motion = np.linalg.inv(before["source_from_guide"]) @ np.array(after["source_from_guide"])
+    errors = {"arm_sd_deg": 0.1, "arm_sd_mm": 1.0, "tcp_sd_deg": 0.1, "tcp_sd_mm": 1.0}
+    known = {"image": exposures[0], "registration": before, "before_from_after": motion.tolist(), "errors": errors}
+    return after, evaluate(exposures[1], guide, carm, _RAW_PX, 80.0, known)
+
+
+@pytest.fixture(scope="session")
+def add_case_that_is_over(exposures, judged, device_files) -> Callable[[Database, str], None]:
     """Fill the record of a case; `user_id` did it all."""
 
     def add(database: Database, user_id: str) -> None:
-        guide, carm = device_files["guide"].encode(), device_files["carm"].encode()
-        before, after = (register(image, guide, carm) for image in exposures)
-        motion = np.linalg.inv(before["source_from_guide"]) @ np.array(after["source_from_guide"])
-        errors = {"arm_sd_deg": 0.1, "arm_sd_mm": 1.0, "tcp_sd_deg": 0.1, "tcp_sd_mm": 1.0}
-        known = {
-            "image": exposures[0],
-            "registration": before,
-            "before_from_after": motion.tolist(),
-            "errors": errors,
-        }
-        figures = evaluate(exposures[1], guide, carm, _RAW_PX, 80.0, known)
         with database.write() as connection:
             devices = {
                 kind: add_device(connection, kind, device_files[kind].encode(), user_id).id for kind in DeviceKind
@@ -67,7 +67,7 @@ def add_case_that_is_over(exposures, device_files) -> Callable[[Database, str], 
             store.open_case(connection, case, NewEvent("case_opened", user_id, "case_open", {}, {}))
         first, second = (_image(database, content) for content in exposures)
         with database.write() as connection:
-            _judge(connection, (first, second), after, figures)
+            _judge(connection, (first, second), *judged)
             store.append(connection, CASE, NewEvent("case_closed", user_id, "closed", {}, {}), expected_version=None)
 
     return add

@@ -1,7 +1,6 @@
 """What a case leaves, sent to a real Orthanc and read back from it."""
 
 import json
-import shutil
 import subprocess
 import time
 from contextlib import closing, contextmanager
@@ -46,18 +45,18 @@ def archive(tmp_path, program_at_work):
 
 
 @pytest.fixture
-def left_behind(tmp_path, migrated_file, users_of, add_case_that_is_over):
-    """A data folder with the record of a case that is over."""
-    file = shutil.copy(migrated_file, tmp_path / "coaxial.sqlite")
-    database = open_database(f"sqlite:///{file}")
-    add_case_that_is_over(database, users_of(database))
-    database.close()
-    return tmp_path
+def left_behind(tmp_path, databases, users_of, add_case_that_is_over):
+    """The address of the record of a case that is over."""
+    with databases.migrated(tmp_path) as address:
+        with closing(open_database(address)) as database:
+            add_case_that_is_over(database, users_of(database))
+        yield address
 
 
-def _settings(folder, port: int) -> Settings:
+def _settings(folder, address: str, port: int) -> Settings:
     return Settings(
         data_folder=folder,
+        database_url=address,
         min_free_bytes=0,
         http=HttpSettings(port=0),
         dicom=DicomSettings(port=0),
@@ -82,17 +81,17 @@ def test_what_an_archive_that_was_down_missed_reaches_it_after_a_restart(
     left_behind, serving, archive, free_ports, tmp_path
 ):
     dicom_port, http_port = free_ports(2)
-    with serving(_settings(left_behind, dicom_port)) as service:
+    with serving(_settings(tmp_path, left_behind, dicom_port)) as service:
         _until(lambda: len(_sent(service)) == 3)
         assert not any(one["delivered"] for one in _sent(service))
-    with archive(dicom_port, http_port) as peer, serving(_settings(left_behind, dicom_port)) as service:
+    with archive(dicom_port, http_port) as peer, serving(_settings(tmp_path, left_behind, dicom_port)) as service:
         _until(lambda: all(one["delivered"] for one in _sent(service)))
         assert {one["answer"] for one in _sent(service)} == {"status 0x0000"}
         send_waiting(service.parts)
         instances = [peer.get(f"/instances/{one}/file").content for one in peer.get("/instances").json()]
     kept = {str(dataset.SOPInstanceUID): dataset for dataset in (dcmread(BytesIO(one)) for one in instances)}
     with (
-        closing(open_database(f"sqlite:///{left_behind / 'coaxial.sqlite'}")) as database,
+        closing(open_database(left_behind)) as database,
         database.read() as connection,
     ):
         assert kept.keys() == {one.id for one in outbox.objects_of(connection, _CASE)}
