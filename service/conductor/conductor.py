@@ -64,7 +64,9 @@ class Conductor:
     def __init__(self, parts: Parts, bridge: ArmBridge, clock: Callable[[], float] = time.monotonic) -> None:
         self.parts = parts
         self.bridge = bridge
-        self.rules = Rules(bridge.watch, limits_from(parts.settings.limits), clock, parts.settings.fingerprint())
+        settings = parts.settings
+        limits = limits_from(settings.limits)
+        self.rules = Rules(bridge.watch, limits, clock, settings.fingerprint(), settings.room)
         self.echoes = Echoes()
         self.on_effect: dict[Effect, Callable[[Taken], None]] = {}
         self._live: Taken | None = None

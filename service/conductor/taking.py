@@ -14,6 +14,7 @@ from service.conductor.configuration import configuration_of
 from service.conductor.device_set import devices_of
 from service.conductor.snapshots import Held, measure
 from service.conductor.verdict_json import kept_verdict, verdict_json
+from service.errors import ErrorCode, ServiceError
 from service.ledger.draft import describe
 from service.motion.arm_watch import ArmWatch
 from workflow.case import CaseState
@@ -75,16 +76,24 @@ class Rules:
     limits: Limits
     clock: Callable[[], float]
     settings_sha256: str
+    room: str
 
 
 def stand(connection: Connection, rules: Rules, case_id: str, trigger: Trigger) -> Standing:
-    """The case and the world; ServiceError CASE_UNKNOWN."""
+    """The case and the world; ServiceError CASE_UNKNOWN, CASE_ELSEWHERE."""
+    _check_room(rules, store.read_case(connection, case_id).room)
     last = store.newest_event(connection, case_id)
     case, lease = from_json(dict(last.case_state)), lease_of(connection, case_id)
     devices = devices_of(connection, case_id)
     configuration = configuration_of(connection, case_id, rules.settings_sha256, devices)
     held = Held(lease.fencing_token if lease else None, devices, configuration)
     return Standing(connection, last, case, measure(rules.watch, case, trigger, held), lease)
+
+
+def _check_room(rules: Rules, room: str) -> None:
+    """Services of several rooms share a database, and each measures and locks its own arm alone (H19)."""
+    if room != rules.room:
+        raise ServiceError(ErrorCode.CASE_ELSEWHERE, f"the case is in {room}", measured=room, limit=rules.room)
 
 
 def take(

@@ -116,7 +116,7 @@ def _offered(watch: Told, trigger: Trigger, **changes: object) -> set[str]:
     chain = {"view": Artefact("view", ()), "image": image, "registration": Artefact("registration", ("image",))}
     case = replace(opened("case"), guide=GuideState.EMPTY, **(chain | changes), motion=motion)
     snapshot = measure(watch, case, Trigger.READ, Held(None, None, _CONFIGURATION))
-    answer = allowances(case, snapshot, Rules(watch, _LIMITS, lambda: 0.0, "settings"))[trigger]
+    answer = allowances(case, snapshot, Rules(watch, _LIMITS, lambda: 0.0, "settings", "room-1"))[trigger]
     return set() if answer.allowed else {answer.code, *(verdict.code for verdict in answer.reasons)}
 
 
