@@ -55,6 +55,8 @@ class ErrorCode(StrEnum):
     DATABASE_FAULT = "database_fault"
     DATABASE_BUSY = "database_busy"
     SCHEMA_UNKNOWN = "schema_unknown"
+    SCHEMA_OLD = "schema_old"
+    BACKUP_REFUSED = "backup_refused"
     LEDGER_BROKEN = "ledger_broken"
     KEY_REFUSED = "key_refused"
     ROOM_CLAIMED = "room_claimed"
@@ -162,6 +164,13 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.DATABASE_FAULT: Answer(503, "Check the disk and the database; nothing was changed. Stop still works."),
     ErrorCode.DATABASE_BUSY: Answer(503, "Try again in a moment; nothing was changed."),
     ErrorCode.SCHEMA_UNKNOWN: Answer(503, "Start the version that wrote the database, or a newer one."),
+    ErrorCode.SCHEMA_OLD: Answer(
+        503, "Run `coaxial db upgrade` as the owner of the database, with --role for this one."
+    ),
+    ErrorCode.BACKUP_REFUSED: Answer(
+        409,
+        "Name a new file to back up to, and an empty database to restore into; PostgreSQL needs its client programs.",
+    ),
     ErrorCode.LEDGER_BROKEN: Answer(
         503, "Run `coaxial audit verify` and keep the database as it is; stop still works."
     ),

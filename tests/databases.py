@@ -45,6 +45,10 @@ class Databases(Protocol):
         """The address of a copy of a database that nobody has open."""
         ...
 
+    def loaded(self, statements: str, folder: Path) -> AbstractContextManager[str]:
+        """The address of a database that a dump makes."""
+        ...
+
     def attack(self, address: str) -> AbstractContextManager[Attacker]:
         """Change a database as somebody does who has it: no triggers, no foreign keys; committed at the end."""
         ...
@@ -77,6 +81,13 @@ class SqliteFiles:
         copy = _address_of(folder)
         shutil.copy(file_of(address), file_of(copy))
         yield copy
+
+    @contextmanager
+    def loaded(self, statements: str, folder: Path) -> Iterator[str]:
+        address = _address_of(folder)
+        with closing(sqlite3.connect(file_of(address))) as connection:
+            connection.executescript(statements)
+        yield address
 
     @contextmanager
     def attack(self, address: str) -> Iterator[Attacker]:
@@ -115,6 +126,13 @@ class PostgresqlDatabases:
         self._on_server(f"CREATE DATABASE {name} TEMPLATE {sa.make_url(address).database}")
         yield self._named(name)
         self._on_server(f"DROP DATABASE {name} WITH (FORCE)")
+
+    @contextmanager
+    def loaded(self, statements: str, folder: Path) -> Iterator[str]:
+        with self.empty(folder) as address:
+            with psycopg.connect(address) as connection:
+                connection.execute(statements.encode())
+            yield address
 
     @contextmanager
     def attack(self, address: str) -> Iterator[Attacker]:

@@ -5,8 +5,12 @@ from pathlib import Path
 import alembic.command
 import sqlalchemy as sa
 from alembic.config import Config
+from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
 from alembic.util import CommandError
+from psycopg.errors import InsufficientPrivilege
 from sqlalchemy.engine import Connection
+from sqlalchemy.exc import ProgrammingError
 
 import migrations
 from service.database import tables
@@ -16,9 +20,12 @@ from service.ledger.beginning import begin_ledger
 
 
 def migrate(database: Database, revision: str = "head") -> None:
-    """Run the missing migrations in one transaction; ServiceError SCHEMA_UNKNOWN if the database is newer than this."""
-    config = Config()
-    config.set_main_option("script_location", str(Path(migrations.__file__).parent).replace("%", "%%"))
+    """Run the missing migrations in one transaction.
+
+    Raises ServiceError SCHEMA_UNKNOWN if the database is newer than this program, SCHEMA_OLD if only its owner may
+    upgrade it.
+    """
+    config = _config()
     try:
         with database.write() as connection:
             config.attributes["connection"] = connection
@@ -27,9 +34,30 @@ def migrate(database: Database, revision: str = "head") -> None:
             if _has_ledger(connection) and not had_ledger:
                 begin_ledger(connection, database.signer)
     except CommandError as error:
-        raise ServiceError(
-            ErrorCode.SCHEMA_UNKNOWN, "the database was written by another version of this program"
-        ) from error
+        message = "the database was written by a newer version of this program"
+        raise _refusal(database, ErrorCode.SCHEMA_UNKNOWN, message) from error
+    except ProgrammingError as error:
+        if not isinstance(error.orig, InsufficientPrivilege):
+            raise
+        message = "the database is older than this program, and this role may not upgrade it"
+        raise _refusal(database, ErrorCode.SCHEMA_OLD, message) from error
+
+
+def version_of(database: Database) -> str | None:
+    """The schema's version; None where there is no schema."""
+    with database.read() as connection:
+        return MigrationContext.configure(connection).get_current_revision()
+
+
+def _config() -> Config:
+    config = Config()
+    config.set_main_option("script_location", str(Path(migrations.__file__).parent).replace("%", "%%"))
+    return config
+
+
+def _refusal(database: Database, code: ErrorCode, message: str) -> ServiceError:
+    newest = ScriptDirectory.from_config(_config()).get_current_head()
+    return ServiceError(code, message, measured=version_of(database), limit=newest)
 
 
 def _has_ledger(connection: Connection) -> bool:

@@ -1,0 +1,81 @@
+"""A whole copy of the database in one file, made while the service runs, and brought back into an empty one.
+
+SQLite's own online backup; for PostgreSQL `pg_dump` and `pg_restore`, which must be installed beside the program.
+"""
+
+import os
+import shutil
+import sqlite3
+import subprocess
+from collections.abc import Sequence
+from contextlib import closing
+from pathlib import Path
+
+import sqlalchemy as sa
+
+from service.database.engines import Database
+from service.errors import ErrorCode, ServiceError
+
+
+def back_up(database: Database, file: Path) -> None:
+    """Write one consistent moment of the database to a file that does not exist; ServiceError BACKUP_REFUSED."""
+    if file.exists():
+        raise _refused(f"{file} exists")
+    part = file.with_name(f"{file.name}.part")
+    if _is_sqlite(database):
+        _copy(Path(str(database.reader.url.database)), part)
+    else:
+        _run("pg_dump", database, "--format=custom", f"--file={part}")
+    part.replace(file)
+
+
+def restore(database: Database, file: Path) -> None:
+    """Bring a backup into a database without tables; ServiceError BACKUP_REFUSED, and then nothing has changed."""
+    if not file.is_file():
+        raise _refused(f"there is no file {file}")
+    with database.read() as connection:
+        if sa.inspect(connection).get_table_names():
+            raise _refused("the database is not empty")
+    if _is_sqlite(database):
+        target = Path(str(database.writer.url.database))
+        database.close()
+        _copy(file, target)
+    else:
+        _run("pg_restore", database, "--no-owner", "--single-transaction", "--exit-on-error", str(file))
+
+
+def _is_sqlite(database: Database) -> bool:
+    return database.writer.dialect.name == "sqlite"
+
+
+def _copy(source: Path, target: Path) -> None:
+    try:
+        with closing(sqlite3.connect(f"{source.absolute().as_uri()}?mode=ro", uri=True)) as here:
+            _check_whole(here, source)
+            with closing(sqlite3.connect(target)) as there:
+                here.backup(there)
+    except sqlite3.Error as error:
+        raise _refused(f"{source} cannot be copied: {error}") from error
+
+
+def _check_whole(connection: sqlite3.Connection, source: Path) -> None:
+    (found,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+    if found != "ok":
+        raise _refused(f"{source} is damaged: {found}")
+
+
+def _run(program: str, database: Database, *arguments: str) -> None:
+    """The password goes by the environment: arguments are visible to every user of the machine."""
+    if shutil.which(program) is None:
+        raise _refused(f"{program} is not installed")
+    url = database.writer.url
+    address = url.set(drivername="postgresql", password=None).render_as_string()
+    secret = {"PGPASSWORD": str(url.password)} if url.password else {}
+    command: Sequence[str] = (program, f"--dbname={address}", "--no-password", *arguments)
+    ended = subprocess.run(command, env=os.environ | secret, capture_output=True, text=True)  # noqa: S603  # no shell
+    if ended.returncode != 0:
+        raise _refused(f"{program}: {ended.stderr.strip().splitlines()[-1:]}")
+
+
+def _refused(message: str) -> ServiceError:
+    return ServiceError(ErrorCode.BACKUP_REFUSED, message)
