@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping
+from random import Random
 
 from simulator.controller.arm import Arm
 from simulator.controller.framing import Value
@@ -25,6 +26,8 @@ _PROGRAM_ENDING_STOPS = (
     SafetyMode.FAULT,
 )
 _FORCE_STEP_N = 60.0
+_RESTING_FORCE_N = (2.0, -3.0, 5.0)  # what an uncalibrated payload leaves in the estimate
+_FORCE_NOISE_N = 2.0
 
 
 class ControllerCore:
@@ -42,6 +45,7 @@ class ControllerCore:
         self.runtime_state = RuntimeState.STOPPED
         self.speed_scaling = 1.0
         self.cycles = 0
+        self._noise = Random(settings.truth.seed)
         self._program: Program | None = None
         self._next_upload: Upload | None = None
 
@@ -57,8 +61,9 @@ class ControllerCore:
 
     @property
     def tcp_force_n(self) -> tuple[float, ...]:
-        """Force and torque reported at the TCP."""
-        return (0.0, 0.0, -_FORCE_STEP_N if Fault.FORCE_STEP in self.faults else 0.0, 0.0, 0.0, 0.0)
+        """Force and torque reported at the TCP, as noisy as an estimate from motor currents."""
+        x, y, z = (self._noise.gauss(force, _FORCE_NOISE_N) for force in _RESTING_FORCE_N)
+        return (x, y, z - _FORCE_STEP_N if Fault.FORCE_STEP in self.faults else z, 0.0, 0.0, 0.0)
 
     def write_inputs(self, values: Mapping[str, Value]) -> None:
         """Take an input packet; any one feeds the watchdog."""
@@ -70,7 +75,7 @@ class ControllerCore:
 
     def load(self, upload: Upload) -> None:
         """Replace the running program, once the arm has come to rest; nothing where the arm may not move."""
-        if self.safety.may_move and Fault.IGNORES_UPLOADS not in self.faults:
+        if self.safety.may_move and not self.faults & {Fault.IGNORES_UPLOADS, Fault.LOCAL_CONTROL}:
             self.stop_program()
             self._next_upload = upload
 
@@ -108,12 +113,22 @@ class ControllerCore:
         self.safety.power_off()
         self.stop_program()
 
+    def lose_power(self) -> None:
+        """The brakes fall in at once; what ran and what was counted is gone."""
+        self.power_off()
+        self.arm.drop_motion()
+        self.cycles = 0
+
     def cycle(self) -> None:
         """One controller cycle: safety, program, joints."""
+        if Fault.SWITCHED_OFF in self.faults:
+            self.lose_power()
         self.cycles += 1
         self.safety.update(self.faults, self.time_s)
         if not self.safety.may_move:
             self._hold_for_safety()
+        if Fault.LOCAL_CONTROL in self.faults and self._program is not None:
+            self.stop_program()
         if self.watchdog.tripped(self.time_s) and self.runtime_state is RuntimeState.PLAYING:
             self._watchdog_bites()
         self._advance_program()
@@ -133,6 +148,7 @@ class ControllerCore:
             self.arm.hold()  # a jog
 
     def _watchdog_bites(self) -> None:
+        self.log.add(0, "watchdog")
         if self.settings.watchdog_outcome is WatchdogOutcome.PROTECTIVE_STOP:
             self.watchdog.disarm()
             self.stop_protectively()

@@ -4,7 +4,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from simulator.controller.addresses import DASHBOARD_PORT
-from simulator.controller.states import RobotMode, RuntimeState, SafetyMode
+from simulator.controller.states import Fault, RobotMode, RuntimeState, SafetyMode
 
 if TYPE_CHECKING:
     from simulator.controller.core import ControllerCore
@@ -23,6 +23,8 @@ _SAFETY_MODES = {
     SafetyMode.FAULT: "FAULT",
 }
 _REFUSAL = "Failed to execute: {}"
+_LOCAL = "Command is not allowed due to safety reasons"
+_REMOTE_ONLY = ("stop", "play", "pause", "unlock", "power", "brake", "restart", "load")
 
 
 class DashboardServer:
@@ -58,6 +60,8 @@ class DashboardServer:
 
     def _answer(self, command: str) -> str:
         core = self._core
+        if Fault.LOCAL_CONTROL in core.faults and command.startswith(_REMOTE_ONLY):
+            return _LOCAL
         match command.split(maxsplit=1):
             case ["stop"]:
                 core.stop_program()
@@ -113,7 +117,7 @@ class DashboardServer:
             "get robot model": "UR5",
             "get serial number": "20175500001",
             "get loaded program": "No program loaded",
-            "is in remote control": "true",
+            "is in remote control": str(Fault.LOCAL_CONTROL not in self._core.faults).lower(),
             "isProgramSaved": "true",
             "close popup": "closing popup",
             "close safety popup": "closing safety popup",

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 # in the socket (the kernel doubles what it is asked for) and in the writer.
 _SOCKET_BUFFER_BYTES = 250_000
 _BACKLOG_LIMIT_BYTES = 800_000
+_DRIPPING_LIMIT_BYTES = 10_000
 
 
 class RtdeConnection:
@@ -31,7 +32,9 @@ class RtdeConnection:
         self._every = 1
         self._inputs: dict[int, Recipe] = {}
         self._started = False
-        self._held_back: bytes | None = None
+        self._held_back = b""
+        self._first_of_pair = False
+        self._dripping = b""
 
     @property
     def claimed(self) -> set[str]:
@@ -63,16 +66,12 @@ class RtdeConnection:
             case PacketType.MESSAGE:
                 pass
 
-    def send(self, values: Mapping[str, Value], cycle: int, swapped: bool) -> None:
-        """Send this cycle's packet if it is due; swapped, each pair of packets goes out in the wrong order."""
-        if not self._started or self._output is None or cycle % self._every:
-            return
-        packet = frame(PacketType.DATA, self._output.pack([values[name] for name in self._output.names]))
-        if swapped and self._held_back is None:
-            self._held_back = packet
-            return
-        self._writer.write(packet + (self._held_back or b""))
-        self._held_back = None
+    def send(self, values: Mapping[str, Value], cycle: int) -> None:
+        """Send this cycle's packet if it is due, and whatever a fault has held back."""
+        if self._started and self._output is not None and cycle % self._every == 0:
+            packet = frame(PacketType.DATA, self._output.pack([values[name] for name in self._output.names]))
+            self._write(self._swapped(packet) if Fault.PACKETS_OUT_OF_ORDER in self._server.faults else packet)
+        self._drip()
         if self._writer.transport.get_write_buffer_size() > _BACKLOG_LIMIT_BYTES:
             self.close()
 
@@ -80,8 +79,34 @@ class RtdeConnection:
         """Cut the connection."""
         self._writer.transport.abort()
 
+    def reset(self) -> None:
+        """Cut the connection with a TCP reset."""
+        no_lingering = struct.pack("ii", 1, 0)
+        self._writer.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, no_lingering)
+        self.close()
+
     def _reply(self, kind: PacketType, payload: bytes) -> None:
-        self._writer.write(frame(kind, payload))
+        self._write(frame(kind, payload))
+
+    def _write(self, packet: bytes) -> None:
+        if Fault.BYTES_DRIP in self._server.faults:
+            self._dripping += packet if len(self._dripping) < _DRIPPING_LIMIT_BYTES else b""
+        else:
+            self._writer.write(self._dripping + packet)
+            self._dripping = b""
+
+    def _drip(self) -> None:
+        if Fault.BYTES_DRIP in self._server.faults:
+            self._writer.write(self._dripping[:1])
+            self._dripping = self._dripping[1:]
+
+    def _swapped(self, packet: bytes) -> bytes:
+        """Of each pair the later packet first, the earlier one a cycle after it."""
+        self._first_of_pair = not self._first_of_pair
+        if not self._first_of_pair:
+            return packet
+        late, self._held_back = self._held_back, packet
+        return late
 
     def _set_outputs(self, payload: bytes) -> bytes:
         (wanted_hz,) = struct.unpack_from(">d", payload)
@@ -131,6 +156,11 @@ class RtdeServer:
             self._connections.discard(connection)
             self._core.log.add(RTDE_PORT, "disconnected")
 
+    @property
+    def faults(self) -> frozenset[Fault]:
+        """What is planted now."""
+        return self._core.faults
+
     def take_input(self, values: Mapping[str, Value]) -> None:
         """Hand an input packet on, and keep it for the tests."""
         self._core.log.add_input(values)
@@ -150,12 +180,17 @@ class RtdeServer:
         if Fault.PACKETS_STOP in faults:
             return
         for connection in tuple(self._connections):
-            connection.send(shown, self._core.cycles, Fault.PACKETS_OUT_OF_ORDER in faults)
+            connection.send(shown, self._core.cycles)
 
     def close_connections(self) -> None:
         """Cut every client off."""
         for connection in tuple(self._connections):
             connection.close()
+
+    def reset_connections(self) -> None:
+        """Cut every client off with a TCP reset."""
+        for connection in tuple(self._connections):
+            connection.reset()
 
 
 def _distorted(now: Mapping[str, Value], last: Mapping[str, Value], faults: frozenset[Fault]) -> Mapping[str, Value]:

@@ -14,10 +14,10 @@ from simulator.controller.rtde import RtdeServer
 from simulator.controller.script import ScriptServer
 from simulator.controller.states import Fault
 
-_FAULT_OF_PORT = {
-    RTDE_PORT: Fault.RTDE_CLOSED,
-    SCRIPT_PORT: Fault.SCRIPT_PORT_CLOSED,
-    DASHBOARD_PORT: Fault.DASHBOARD_CLOSED,
+_FAULTS_OF_PORT = {
+    RTDE_PORT: {Fault.RTDE_CLOSED, Fault.SWITCHED_OFF},
+    SCRIPT_PORT: {Fault.SCRIPT_PORT_CLOSED, Fault.SWITCHED_OFF},
+    DASHBOARD_PORT: {Fault.DASHBOARD_CLOSED, Fault.SWITCHED_OFF},
 }
 _LEAVE_WITHIN_S = 1.0
 
@@ -69,17 +69,19 @@ class ControllerServers:
 
     async def open_ports(self) -> None:
         """Listen where no fault forbids it, and cut off the clients of the other ports."""
-        for port, fault in _FAULT_OF_PORT.items():
-            if fault in self._core.faults:
+        for port, faults in _FAULTS_OF_PORT.items():
+            if faults & self._core.faults:
                 self._shut(port)
             elif port not in self._listening:
                 admit = partial(self._admit, port)
                 self._listening[port] = await asyncio.start_server(admit, self._core.settings.address, port)
+        if Fault.RTDE_RESET in self._core.faults:
+            self._rtde.reset_connections()
         await asyncio.sleep(0)  # an aborted connection is closed in the loop's next turn: whoever waits sees it closed
 
     def _admit(self, port: int, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Serve a client, unless its port was shut while it was being accepted."""
-        if _FAULT_OF_PORT[port] in self._core.faults:
+        if _FAULTS_OF_PORT[port] & self._core.faults:
             writer.transport.abort()
             return
         client = asyncio.ensure_future(self._servers[port].serve(reader, writer))

@@ -54,6 +54,6 @@ class WireRecord:
     number: int
     at_s: float  # CLOCK_MONOTONIC
     port: int
-    kind: str  # connected, disconnected, request, input, script, dashboard
+    kind: str  # connected, disconnected, request, input, script, dashboard; of the controller itself: watchdog
     text: str  # the dashboard command, the program's name, the command and its arguments
     command: int = -1  # in_int_register_0 of an input packet

@@ -69,11 +69,17 @@ class Fault(StrEnum):
     VALUES_NAN = "values_nan"
     PACKETS_OUT_OF_ORDER = "packets_out_of_order"
     PACKETS_STOP = "packets_stop"
+    BYTES_DRIP = "bytes_drip"  # one byte a cycle
     # The connections break, and stay refused until cleared.
     RTDE_CLOSED = "rtde_closed"
     SCRIPT_PORT_CLOSED = "script_port_closed"
     DASHBOARD_CLOSED = "dashboard_closed"
     HANDSHAKE_MUTE = "handshake_mute"
+    RTDE_RESET = "rtde_reset"  # cut once with a TCP reset when planted; new connections are taken
+    SWITCHED_OFF = "switched_off"  # without power until cleared; then its clock begins anew and the arm is off
+    # Somebody at the pendant takes the arm: the program ends, and neither uploads nor the dashboard move it until
+    # cleared. That a dashboard in local control refuses `stop` as well is assumed, as the worst case.
+    LOCAL_CONTROL = "local_control"
     # The arm misbehaves.
     FORCE_STEP = "force_step"
     FALLS_SHORT = "falls_short"
