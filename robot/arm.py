@@ -23,6 +23,8 @@ class ArmState:
         As the controller reports it, with its active TCP.
     tcp_speed_mm_s, tcp_turn_speed_rad_s : float
         Magnitudes of the TCP's linear and angular velocity.
+    tcp_force_n : (3,)
+        Force at the TCP as the controller estimates it, base axes.
     payload_kg, payload_centre_mm : float, (3,)
         Active payload, centre in the flange frame.
     safety_bits, robot_status_bits, robot_mode, runtime_state : int
@@ -38,6 +40,7 @@ class ArmState:
     base_from_tcp: Transform
     tcp_speed_mm_s: float
     tcp_turn_speed_rad_s: float
+    tcp_force_n: Array
     payload_kg: float
     payload_centre_mm: Array
     safety_bits: int
@@ -93,6 +96,12 @@ class Arm(Protocol):
 
     def give_up_control(self) -> None:
         """Stop the control script and close its connection; harmless without control."""
+
+    def release_pendant(self) -> None:
+        """Give up everything but the feedback; the next stop or control opens it again."""
+
+    def is_severed(self) -> bool:
+        """Whether a connection broke while in control: what would be opened anew must be ended with the process."""
 
     def is_stuck(self) -> bool:
         """Whether only a new process can take control again."""

@@ -31,6 +31,7 @@ class RefusalCode(StrEnum):
     ARM_MOVED_SINCE_PERMIT = "arm_moved_since_permit"
     TCP_MISMATCH = "tcp_mismatch"
     PAYLOAD_MISMATCH = "payload_mismatch"
+    FORCE_AT_REST = "force_at_rest"
     SPEED_ABOVE_CAP = "speed_above_cap"
     ACCELERATION_ABOVE_CAP = "acceleration_above_cap"
     MOVE_TOO_FAR = "move_too_far"

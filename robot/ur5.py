@@ -133,6 +133,20 @@ class UR5:
             self._closed.append(self._control)
         self._control = self._ending = None
 
+    def release_pendant(self) -> None:
+        """Give up control and leave the dashboard; only the feedback is read on."""
+        self.give_up_control()
+        self._dashboard.close()
+
+    def is_severed(self) -> bool:
+        """Whether a connection broke while in control: the library connects again by itself, and uploads its script.
+
+        It asks nobody, and only the end of the process ends it.
+        """
+        if self._control is None or self._receive is None:
+            return False
+        return not (self._control.isConnected() and self._receive.isConnected())
+
     def is_stuck(self) -> bool:
         """Whether the connection of an earlier motion does not close: only the end of the process closes it then."""
         return self._closing is not None and self._closing.is_alive() and time.monotonic() > self._closed_by_s
@@ -185,6 +199,7 @@ def _state(receive: RTDEReceiveInterface, time_s: float) -> ArmState:
         base_from_tcp=_transform_in_mm(receive.getActualTCPPose()),
         tcp_speed_mm_s=float(np.linalg.norm(_mm_from_metres(tcp_speed[:3]))),
         tcp_turn_speed_rad_s=float(np.linalg.norm(tcp_speed[3:])),
+        tcp_force_n=np.array(receive.getActualTCPForce()[:3]),
         payload_kg=receive.getPayload(),
         payload_centre_mm=_mm_from_metres(receive.getPayloadCog()),
         safety_bits=words.safety_bits,

@@ -175,6 +175,10 @@ class Case:
         """Stop the arm."""
         return self.room.stop()
 
+    def emergency_access(self) -> Json:
+        """Stop the arm and leave it to whoever stands at the pendant; the case is held."""
+        return self.room.post(f"/cases/{self.id}/emergency-access")
+
     def wait_for(self, *states: str, timeout_s: float = 30.0) -> Json:
         """The status once the case is in one of these states; TimeoutError, naming the state it is in."""
         end_s = time.monotonic() + timeout_s

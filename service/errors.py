@@ -245,6 +245,9 @@ ANSWERS: dict[str, Answer] = {
     "arm_moved_since_permit": Answer(409, "Plan and approve anew from where the arm is."),
     "tcp_mismatch": Answer(409, "Set the controller's TCP as the tool file has it."),
     "payload_mismatch": Answer(409, "Set the controller's payload as the tool file has it."),
+    "force_at_rest": Answer(
+        409, "See what presses or pulls at the guide or the arm, and that nothing else is mounted."
+    ),
     "speed_above_cap": Answer(409, "Plan with a lower speed."),
     "acceleration_above_cap": Answer(409, "Plan with a lower acceleration."),
     "move_too_far": Answer(409, "Go in several motions, each planned and approved."),

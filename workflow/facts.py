@@ -250,6 +250,8 @@ class FaultKind(StrEnum):
     FEEDBACK_LOST = "feedback_lost"
     SAFETY_FAULT = "safety_fault"  # the controller's own fault or violation
     ARM_OFF = "arm_off"
+    FORCE_RISE = "force_rise"  # something pressed against the guide
+    INSTALLATION_CHANGED = "installation_changed"  # TCP or payload, at the pendant, amid a motion
     MOTION_FAULT = "motion_fault"  # commanded, and not done as commanded
 
 

@@ -1,6 +1,7 @@
 """Whether a motion may begin: asked with the command, and again once control is taken."""
 
 from robot.guard.course import Course
+from robot.guard.force import refuse_force
 from robot.guard.heartbeat import SILENCE_S, HeartbeatMonitor
 from robot.guard.journal import Journal
 from robot.guard.messages import BeginMove, Phase
@@ -49,7 +50,11 @@ class Admission:
         newest = self._observer.newest
         if newest is None or not self._observer.is_sound(now_s):
             return Refusal(RefusalCode.ARM_UNREACHABLE, "no sound feedback from the controller", None, None)
-        return refuse_arm(move, newest) or self._refuse_silence(move, now_s)
+        return (
+            refuse_arm(move, newest)
+            or refuse_force(self._observer.resting_force_n)
+            or self._refuse_silence(move, now_s)
+        )
 
     def _refuse_silence(self, move: BeginMove, now_s: float) -> Refusal | None:
         if self._heartbeats.is_live(move.permit_id, now_s):

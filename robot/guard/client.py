@@ -22,6 +22,7 @@ from robot.guard.messages import (
     FaultKind,
     Heartbeat,
     Phase,
+    ReleasePendant,
     Status,
     Stop,
 )
@@ -101,7 +102,14 @@ class GuardClient:
 
         Never raises; True if the guard's pipe took it. The parallel stop runs in a thread of its own.
         """
-        taken = self._send(Stop(reason))
+        return self._stop(Stop(reason))
+
+    def release_pendant(self, reason: str) -> bool:
+        """Stop as `stop` does, and leave the arm to a person at the pendant; `PendantReleased` follows."""
+        return self._stop(ReleasePendant(reason))
+
+    def _stop(self, command: Stop | ReleasePendant) -> bool:
+        taken = self._send(command)
         Thread(target=stop_by_dashboard, args=(self._config.arm_address,), name="stop", daemon=True).start()
         return taken
 

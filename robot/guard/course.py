@@ -6,7 +6,7 @@ import numpy as np
 
 from robot.arm import Arm, ArmState, LinearMove
 from robot.errors import RobotError
-from robot.frames import Transform, distance_between
+from robot.frames import Array, Transform, distance_between
 from robot.guard.journal import Journal, trajectory_file
 from robot.guard.messages import BeginMove, EndCause, MotionEnded, MotionStarted, Phase
 from robot.guard.motion import MotionJudge
@@ -47,10 +47,10 @@ class Course:
             return Refusal(RefusalCode.CONTROLLER_REFUSED, str(error), None, None)
         return refuse_tcp(self.move, self._flange_from_tcp)
 
-    def launch(self, start: ArmState) -> MotionStarted | Refusal:
-        """Put the motion on the wire."""
+    def launch(self, start: ArmState, resting_force_n: Array) -> MotionStarted | Refusal:
+        """Put the motion on the wire; what is felt above the resting force (3,), base axes, will end it."""
         move = self.move
-        self._judge = MotionJudge(move, start, self._clock())
+        self._judge = MotionJudge(move, start, resting_force_n, self._clock())
         try:
             self._arm.move_linear(LinearMove(move.base_from_goal, move.speed_mm_s, move.acceleration_mm_s2))
         except RobotError as error:
@@ -100,6 +100,10 @@ class Course:
         if now_s - self._last_stop_s > _STOP_AGAIN_S:
             self._send_stop()
         return None
+
+    def abandon(self, newest: ArmState | None) -> MotionEnded:
+        """The end as far as it was seen."""
+        return self._ended(newest, at_rest=False, program_stopped=False)
 
     def _send_stop(self) -> None:
         self._last_stop_s = self._clock()

@@ -59,6 +59,7 @@ def _is_finite(reading: ArmState) -> bool:
         reading.joints_rad,
         reading.joint_speeds_rad_s,
         reading.base_from_tcp.ravel(),
+        reading.tcp_force_n,
         reading.payload_centre_mm,
         (reading.controller_time_s, reading.tcp_speed_mm_s, reading.tcp_turn_speed_rad_s, reading.payload_kg),
     )

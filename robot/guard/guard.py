@@ -21,8 +21,11 @@ from robot.guard.messages import (
     Fault,
     FaultKind,
     Heartbeat,
+    MotionStarted,
     MoveRefused,
+    PendantReleased,
     Phase,
+    ReleasePendant,
     Status,
     StopSent,
 )
@@ -34,7 +37,7 @@ STATUS_S = 0.025  # 40 a second: a challenge is at most so old when the tablet g
 _FLUSH_S = 1.0
 _CALM = (EndCause.ARRIVED, EndCause.MISSED, EndCause.RELEASED)
 
-Taken: TypeAlias = BeginMove | Heartbeat | Acknowledge | StopSent
+Taken: TypeAlias = BeginMove | Heartbeat | ReleasePendant | Acknowledge | StopSent
 
 
 class Guard:
@@ -66,6 +69,8 @@ class Guard:
         self._stops_seen = 0
         self._sequence = count()
         self._next_status_s = 0.0
+        self._releasing = False
+        self.severed = False  # the arm's library is not to be trusted any more: the process has to end
 
     @property
     def phase(self) -> Phase:
@@ -87,6 +92,8 @@ class Guard:
                 self._stopped(taken, EndCause.STOPPED)
             case BeginMove():
                 self._begin(taken)
+            case ReleasePendant():
+                self._releasing = True
             case Acknowledge():
                 self._idle_phase = Phase.IDLE
                 self._journal.record(taken)
@@ -142,6 +149,9 @@ class Guard:
             self._refuse(self._course, answer)
 
     def _drive(self, course: Course, reading: ArmState | None, now_s: float) -> None:
+        if self._arm.is_severed():
+            self._sever(course)
+            return
         match course.phase:
             case Phase.STARTING:
                 self._launch(course, now_s)
@@ -159,8 +169,11 @@ class Guard:
         silent = refusal is None or refusal.code is RefusalCode.NO_LIVE_HEARTBEAT
         if silent and self._admission.may_wait(course, now_s):
             return
-        newest = self._observer.newest
-        answer = course.launch(newest) if refusal is None and newest is not None else refusal
+        start, resting_n = self._observer.newest, self._observer.resting_force_n
+        if refusal is None and start is not None and resting_n is not None:
+            answer: MotionStarted | Refusal | None = course.launch(start, resting_n)
+        else:
+            answer = refusal
         if isinstance(answer, Refusal):
             self._refuse(course, answer)
         elif answer is not None:
@@ -184,6 +197,18 @@ class Guard:
             return None
         return EndCause.HEARTBEAT_LOST if self._heartbeats.held else EndCause.RELEASED
 
+    def _sever(self, course: Course) -> None:
+        """Stop by the dashboard, and leave the rest to the next guard."""
+        self.severed = True
+        self._idle_phase = Phase.HELD
+        if course.phase is Phase.STARTING:
+            message = "the connection to the controller broke"
+            self._refuse(course, Refusal(RefusalCode.ARM_UNREACHABLE, message, None, None))
+            return
+        course.stop(EndCause.FEEDBACK_LOST)
+        self._course = None
+        self._tell(course.abandon(self._observer.newest))
+
     def _settle(self, course: Course, reading: ArmState | None, now_s: float) -> None:
         if reading is not None:
             course.observe(reading)
@@ -202,6 +227,8 @@ class Guard:
 
     def _watch(self, reading: ArmState | None, now_s: float) -> None:
         """Without a motion: keep the link, latch faults, notice a displaced arm."""
+        if self._releasing:
+            self._release_pendant(now_s)
         self._observer.keep_connected(now_s)
         fault = self._observer.fault(self._clock())
         if fault is not None and fault is not self._fault:
@@ -211,6 +238,12 @@ class Guard:
         disturbed = None if reading is None else self._displacement.observe(reading)
         if disturbed is not None:
             self._tell(disturbed)
+
+    def _release_pendant(self, now_s: float) -> None:
+        self._releasing = False
+        self._arm.release_pendant()
+        newest = self._observer.newest if self._observer.is_sound(now_s) else None
+        self._tell(PendantReleased(now_s, None if newest is None else newest.program_running))
 
     def _report(self, now_s: float) -> None:
         self._next_status_s = now_s + STATUS_S

@@ -22,6 +22,8 @@ from robot.guard.messages import (
     MotionEnded,
     MotionStarted,
     MoveRefused,
+    PendantReleased,
+    ReleasePendant,
     Status,
     Stop,
     StopSent,
@@ -32,6 +34,7 @@ _COMMANDS: dict[str, type[Command]] = {
     "begin_move": BeginMove,
     "heartbeat": Heartbeat,
     "stop": Stop,
+    "release_pendant": ReleasePendant,
     "acknowledge": Acknowledge,
 }
 _EVENTS: dict[str, type[Event]] = {
@@ -40,6 +43,7 @@ _EVENTS: dict[str, type[Event]] = {
     "motion_ended": MotionEnded,
     "move_refused": MoveRefused,
     "stop_sent": StopSent,
+    "pendant_released": PendantReleased,
     "fault": Fault,
     "disturbed": Disturbed,
 }

@@ -41,6 +41,10 @@ class EndCause(StrEnum):
     NOT_STARTED = "not_started"  # commanded, and the arm did not leave its place
     OVERDUE = "overdue"  # still moving long after it should have arrived
     CONTROL_LOST = "control_lost"
+    OFF_PATH = "off_path"  # the arm is not on the approved line
+    FORCE_RISE = "force_rise"
+    TCP_CHANGED = "tcp_changed"  # at the pendant, amid the motion; so the payload
+    PAYLOAD_CHANGED = "payload_changed"
     PROTECTIVE_STOP = "protective_stop"
     SAFEGUARD_STOP = "safeguard_stop"
     EMERGENCY_STOP = "emergency_stop"
@@ -127,6 +131,13 @@ class Heartbeat:
 @dataclass(frozen=True, slots=True)
 class Stop:
     """Stop the arm now, in every phase."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReleasePendant:
+    """Stop as `Stop` does, and leave the arm to a person at the pendant: nothing of ours but the feedback remains."""
 
     reason: str
 
@@ -230,6 +241,20 @@ class StopSent:
 
 
 @dataclass(frozen=True, slots=True)
+class PendantReleased:
+    """The pendant has the arm.
+
+    Attributes
+    ----------
+    program_running : bool or None
+        Whether a program runs on the controller all the same; None without sound feedback.
+    """
+
+    at_s: float
+    program_running: bool | None
+
+
+@dataclass(frozen=True, slots=True)
 class Fault:
     """A fault without a motion."""
 
@@ -247,8 +272,8 @@ class Disturbed:
     angle_rad: float
 
 
-Command: TypeAlias = BeginMove | Heartbeat | Stop | Acknowledge
-Event: TypeAlias = Status | MotionStarted | MotionEnded | MoveRefused | StopSent | Fault | Disturbed
+Command: TypeAlias = BeginMove | Heartbeat | Stop | ReleasePendant | Acknowledge
+Event: TypeAlias = Status | MotionStarted | MotionEnded | MoveRefused | StopSent | PendantReleased | Fault | Disturbed
 
 
 def _check_permit(permit_id: str) -> None:

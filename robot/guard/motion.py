@@ -4,8 +4,11 @@ import numpy as np
 
 from robot.arm import ArmState
 from robot.caps import SPEED_CAP_MM_S, TURN_SPEED_CAP_RAD_S
-from robot.frames import distance_between
+from robot.frames import Array, distance_between
+from robot.guard.deviation import PathWatch, TcpWatch
+from robot.guard.force import FORCE_RISE_N, ForceWatch
 from robot.guard.messages import BeginMove, EndCause
+from robot.guard.preflight import refuse_payload
 from robot.guard.rest import DISTURBED_MM, DISTURBED_RAD, RestWatch
 from robot.safety import SafetyState
 
@@ -31,13 +34,22 @@ _SAFETY_CAUSES = {
 
 
 class MotionJudge:
-    """Says when a motion has to end, and why."""
+    """Says when a motion has to end, and why.
 
-    def __init__(self, move: BeginMove, start: ArmState, began_at_s: float) -> None:
+    Parameters
+    ----------
+    resting_force_n : (3,)
+        At the TCP before the motion, base axes.
+    """
+
+    def __init__(self, move: BeginMove, start: ArmState, resting_force_n: Array, began_at_s: float) -> None:
         self._move = move
         self._start = start
         self._began_at_s = began_at_s
         self._rest = RestWatch()
+        self._force = ForceWatch(resting_force_n)
+        self._tcp = TcpWatch(move, start)
+        self._path = PathWatch(move, start)
         self._departed = is_at(start, move)  # a goal that is here already needs no departure
         self._fast = 0
         self._without_program = 0
@@ -48,7 +60,7 @@ class MotionJudge:
         self._departed = self._departed or self._has_departed(reading)
         self._fast = self._fast + 1 if _is_too_fast(reading) else 0
         self._without_program = 0 if reading.program_running else self._without_program + 1
-        return self._worst(reading) or self._end_of_way(reading, rest_s)
+        return self._worst(reading) or self._unlike_approved(reading) or self._end_of_way(reading, rest_s)
 
     def _worst(self, reading: ArmState) -> EndCause | None:
         if reading.safety in _SAFETY_CAUSES:
@@ -56,6 +68,18 @@ class MotionJudge:
         if self._fast >= _OVERSPEED_READINGS:
             return EndCause.OVERSPEED
         return EndCause.CONTROL_LOST if self._without_program >= _NO_PROGRAM_READINGS else None
+
+    def _unlike_approved(self, reading: ArmState) -> EndCause | None:
+        """What was compared before the start and is no longer so, and what the way was never to meet."""
+        pressed = self._force.observe(reading) > FORCE_RISE_N
+        other_tcp, off_path = self._tcp.has_changed(reading), self._path.is_off(reading)
+        if pressed:
+            return EndCause.FORCE_RISE
+        if other_tcp:  # before the path, which the reported pose leaves with it
+            return EndCause.TCP_CHANGED
+        if refuse_payload(self._move, reading) is not None:
+            return EndCause.PAYLOAD_CHANGED
+        return EndCause.OFF_PATH if off_path else None
 
     def _end_of_way(self, reading: ArmState, rest_s: float) -> EndCause | None:
         elapsed_s = reading.received_at_s - self._began_at_s

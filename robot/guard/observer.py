@@ -1,7 +1,9 @@
 """The guard's eyes: reads the arm, keeps the link, and says what is wrong while no motion runs."""
 
 from robot.arm import Arm, ArmState
+from robot.frames import Array
 from robot.guard.feedback import FeedbackWatch, Verdict
+from robot.guard.force import RestingForce
 from robot.guard.messages import FaultKind
 from robot.guard.rest import RestWatch
 from robot.safety import SafetyState
@@ -26,6 +28,7 @@ class Observer:
         self._arm = arm
         self._feedback = FeedbackWatch()
         self._rest = RestWatch()
+        self._resting_force = RestingForce()
         self._bad: Verdict | None = None
         self._next_attempt_s = 0.0
         self.rest_s = 0.0
@@ -34,6 +37,11 @@ class Observer:
     def newest(self) -> ArmState | None:
         """Newest good reading, however old."""
         return self._feedback.newest
+
+    @property
+    def resting_force_n(self) -> Array | None:
+        """(3,), base axes: mean force of the newest readings at rest; None before the first."""
+        return self._resting_force.newest_n
 
     def read(self) -> ArmState | None:
         """A new good reading, or None."""
@@ -45,6 +53,7 @@ class Observer:
         if self._bad is not None:
             return None
         self.rest_s = self._rest.observe(reading)
+        self._resting_force.observe(reading)
         return reading
 
     def is_sound(self, now_s: float) -> bool:

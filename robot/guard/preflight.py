@@ -28,7 +28,7 @@ def refuse_arm(move: BeginMove, reading: ArmState) -> Refusal | None:
         _refuse_pace(move)
         or _refuse_extent(move, reading)
         or _refuse_place(move, reading)
-        or _refuse_payload(move, reading)
+        or refuse_payload(move, reading)
     )
 
 
@@ -83,7 +83,8 @@ def _both(move: BeginMove, reading: ArmState) -> tuple[np.ndarray, np.ndarray]:
     return move.start_joints_rad, reading.joints_rad
 
 
-def _refuse_payload(move: BeginMove, reading: ArmState) -> Refusal | None:
+def refuse_payload(move: BeginMove, reading: ArmState) -> Refusal | None:
+    """Refusal of a motion for the payload that the controller has active (H10)."""
     code = RefusalCode.PAYLOAD_MISMATCH
     mass_kg = abs(reading.payload_kg - move.payload_kg)
     if not mass_kg <= move.payload_tolerance_kg:

@@ -16,7 +16,7 @@ from robot.errors import MessageError
 from robot.guard.guard import Guard, Taken
 from robot.guard.journal import Journal
 from robot.guard.lines import decode_command
-from robot.guard.messages import Phase, Stop
+from robot.guard.messages import Phase, ReleasePendant, Stop
 from robot.guard.outbox import Outbox
 from robot.ur5 import UR5
 
@@ -34,7 +34,7 @@ _Inbox: TypeAlias = SimpleQueue[Taken | _Parent]
 
 
 def run(arm_address: str, journal_folder: Path) -> None:
-    """Guard one arm until the parent is gone, or the arm's library stuck, and the arm at rest."""
+    """Guard one arm until the parent is gone or the arm's library stuck, and the arm at rest; or the link broken."""
     outbox = Outbox(_take_stdout())
     sys.setswitchinterval(_SWITCH_S)
     _take_precedence()
@@ -76,7 +76,10 @@ def _receive(lines: BinaryIO, guard: Guard, inbox: _Inbox) -> None:
             command = decode_command(line)
         except MessageError as error:
             command = Stop(str(error))  # what nobody understands may have been a stop
-        inbox.put(guard.stop_now(command.reason) if isinstance(command, Stop) else command)
+        if isinstance(command, Stop | ReleasePendant):
+            inbox.put(guard.stop_now(command.reason))
+        if not isinstance(command, Stop):
+            inbox.put(command)
     guard.stop_now("the service is gone")
     inbox.put(_Parent.GONE)
 
@@ -84,7 +87,7 @@ def _receive(lines: BinaryIO, guard: Guard, inbox: _Inbox) -> None:
 def _turn_until_over(guard: Guard, inbox: _Inbox, outbox: Outbox, arm: Arm) -> None:
     parent = os.getppid()
     orphaned = False
-    while not (guard.phase in _AT_REST and (orphaned or arm.is_stuck())):
+    while not (guard.phase in _AT_REST and (orphaned or guard.severed or arm.is_stuck())):
         gone = _handle(guard, inbox) or outbox.broken or os.getppid() != parent
         if gone and not orphaned:  # a forked process may still hold the pipe: hence the look at the parent itself
             orphaned = True

@@ -47,6 +47,12 @@ class StopAnswer(BaseModel):
     version: int | None
 
 
+class EmergencyAccessAnswer(StopAnswer):
+    """Beside the stop, whether the guard has left the arm to the pendant and saw no program run on the controller."""
+
+    pendant_released: bool
+
+
 class EchoAnswer(BaseModel):
     """The picked point as the server understood it, drawn back (H08)."""
 

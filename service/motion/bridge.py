@@ -8,7 +8,7 @@ import structlog
 
 from robot.errors import GuardDownError
 from robot.guard.client import GuardClient, GuardConfig
-from robot.guard.messages import BeginMove, Event, Fault, FaultKind, Heartbeat, Phase, Status
+from robot.guard.messages import BeginMove, Event, Fault, FaultKind, Heartbeat, PendantReleased, Phase, Status
 from service.motion.arm_watch import ArmWatch
 
 OnEvent = Callable[[Event], None]
@@ -25,6 +25,7 @@ class ArmBridge:
         self._client = None if config is None else GuardClient(config, self._take)
         self._stops_to_record = 0
         self._recorded = threading.Condition()
+        self._pendant_released = threading.Event()
 
     @property
     def status(self) -> Status | None:
@@ -51,6 +52,15 @@ class ArmBridge:
     def stop(self, reason: str) -> bool:
         """Stop the arm, by guard and dashboard; the guard is locked from then on. True if the guard's pipe took it."""
         return self._client is not None and self._client.stop(reason)
+
+    def release_pendant(self, reason: str) -> bool:
+        """Stop the arm as `stop` does and leave it to the pendant. True if the guard's pipe took it."""
+        self._pendant_released.clear()
+        return self._client is not None and self._client.release_pendant(reason)
+
+    def wait_for_pendant(self, timeout_s: float) -> bool:
+        """Whether the guard says, within `timeout_s`, that the pendant has the arm and no program runs."""
+        return self._pendant_released.wait(timeout_s)
 
     def stop_to_record(self) -> None:
         """A stop was sent that the record does not have yet: until it has, nothing unlocks the guard."""
@@ -108,8 +118,10 @@ class ArmBridge:
         self.watch.take(event)
         if isinstance(event, Status):
             self._on_status()
-        else:
-            self._on_event(event)
+            return
+        if isinstance(event, PendantReleased) and event.program_running is False:
+            self._pendant_released.set()
+        self._on_event(event)
 
 
 def _ignore(*_: Event) -> None:

@@ -15,6 +15,7 @@ from robot.guard.messages import (
     MotionEnded,
     MotionStarted,
     MoveRefused,
+    PendantReleased,
     Status,
     StopSent,
 )
@@ -78,7 +79,7 @@ class MotionObserver:
                 await self._observe(Trigger.FAULT, fault_of(event.kind), {"message": event.message})
             case Disturbed():
                 await self._disturbed(event)
-            case MotionStarted() | StopSent() | Status():
+            case MotionStarted() | StopSent() | PendantReleased() | Status():
                 _log.info("guard_said", event_type=type(event).__name__)
             case _:
                 assert_never(event)

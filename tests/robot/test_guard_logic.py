@@ -23,7 +23,9 @@ from robot.guard.messages import (
     Heartbeat,
     MotionEnded,
     MoveRefused,
+    PendantReleased,
     Phase,
+    ReleasePendant,
     Status,
 )
 from robot.refusal import RefusalCode
@@ -41,6 +43,7 @@ class Room:
         self.orders: list[str] = []
         self.events: list[Event] = []
         self.journal = journal
+        self.severed = False
         self.while_control_is_taken: Callable[[], None] = lambda: None
         self.guard = Guard(self, journal, self.events.append, lambda: self.now_s)
         self.turn()
@@ -92,6 +95,12 @@ class Room:
 
     def give_up_control(self) -> None:
         self.orders.append("give up")
+
+    def release_pendant(self) -> None:
+        self.orders.append("release")
+
+    def is_severed(self) -> bool:
+        return self.severed
 
     def is_stuck(self) -> bool:
         return False
@@ -183,6 +192,17 @@ def test_guard_holds_to_its_own_caps_whatever_was_planned_and_approved(
 def test_motion_at_every_cap_is_allowed(room: Room, move: BeginMove) -> None:
     begin(room, replace(move, speed_mm_s=20.0, acceleration_mm_s2=50.0, base_from_goal=ahead(move, 150.0, 35.0)))
     assert room.orders == ["control", "move"]
+
+
+def test_motion_against_something_that_presses_already_is_refused(room: Room, move: BeginMove) -> None:
+    room.reading = replace(room.reading, tcp_force_n=np.array([0.0, 31.0, 0.0]))
+    for _ in range(30):
+        room.turn()
+    begin(room, move)
+    refusal = room.newest(MoveRefused).refusal
+    assert (refusal.code, refusal.limit) == (RefusalCode.FORCE_AT_REST, 30.0)
+    assert refusal.measured == pytest.approx(31.0)
+    assert room.orders == []
 
 
 def test_hold_let_go_while_control_is_taken_prevents_the_motion(room: Room, move: BeginMove) -> None:
@@ -280,6 +300,40 @@ def test_protective_stop_that_ended_a_motion_is_told_once(room: Room, move: Begi
     assert room.newest(MotionEnded).cause is EndCause.PROTECTIVE_STOP
     assert room.newest(Fault) is None
     assert room.guard.phase is Phase.HELD
+
+
+def test_pendant_is_released_once_the_motion_is_over_and_stays_so(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    room.guard.handle(room.guard.stop_now("access"))
+    room.guard.handle(ReleasePendant("access"))
+    room.turn()
+    assert room.newest(PendantReleased) is None  # the arm brakes
+    for _ in range(40):
+        room.turn()
+    assert room.newest(PendantReleased).program_running is False
+    assert room.orders[-2:] == ["give up", "release"]
+    assert room.guard.phase is Phase.HELD
+
+
+def test_broken_connection_ends_the_motion_and_the_guard_at_once(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    room.severed = True
+    room.turn()
+    assert room.orders[-1] == "stop"
+    ended = room.newest(MotionEnded)
+    assert (ended.cause, ended.at_rest, ended.program_stopped) == (EndCause.FEEDBACK_LOST, False, False)
+    assert (room.guard.phase, room.guard.severed) == (Phase.HELD, True)
+
+
+def test_connection_that_breaks_before_the_motion_starts_nothing(room: Room, move: BeginMove) -> None:
+    def break_off() -> None:
+        room.severed = True
+
+    room.while_control_is_taken = break_off
+    begin(room, move)
+    assert room.newest(MoveRefused).refusal.code is RefusalCode.ARM_UNREACHABLE
+    assert "move" not in room.orders
+    assert room.guard.severed
 
 
 def test_stop_of_a_motion_that_is_ending_calmly_holds_the_guard(room: Room, move: BeginMove) -> None:

@@ -24,7 +24,9 @@ from robot.guard.messages import (
     MotionEnded,
     MotionStarted,
     MoveRefused,
+    PendantReleased,
     Phase,
+    ReleasePendant,
     Status,
     Stop,
     StopSent,
@@ -42,13 +44,21 @@ def events(arm: ArmState) -> list[Event]:
         MotionEnded("p", EndCause.FEEDBACK_LOST, 3.0, False, False, None, None, None, None, "trajectory-p.jsonl", 0),
         MoveRefused("p", 1.0, refusal),
         StopSent("asked", 1.0, False),
+        PendantReleased(1.0, None),
+        PendantReleased(1.0, False),
         Fault(FaultKind.GUARD_LOST, 1.0, "gone"),
         Disturbed(1.0, 0.07, 0.0),
     ]
 
 
 def test_every_message_comes_back_as_it_went(move: BeginMove, reading: ArmState) -> None:
-    commands: list[Command] = [move, Heartbeat("p", 3, "abc", True), Stop("asked"), Acknowledge()]
+    commands: list[Command] = [
+        move,
+        Heartbeat("p", 3, "abc", True),
+        Stop("asked"),
+        ReleasePendant("access"),
+        Acknowledge(),
+    ]
     for command in commands:
         assert plain(decode_command(encode(command))) == plain(command)
     for event in events(reading):

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from robot.arm import ArmState
 from robot.guard.messages import BeginMove, EndCause
 from robot.guard.motion import MotionJudge
 from robot.guard.preflight import refuse_arm, refuse_tcp
+from robot.kinematics import base_from_flange
 from robot.refusal import RefusalCode
 from robot.safety import SafetyState
 
@@ -37,7 +39,7 @@ def verdict(judge: MotionJudge, readings: Iterator[ArmState]) -> tuple[EndCause 
 
 @pytest.fixture
 def judge(move: BeginMove, at: At) -> MotionJudge:
-    return MotionJudge(move, at(0.0), 0.0)
+    return MotionJudge(move, at(0.0), np.zeros(3), 0.0)
 
 
 def test_arrival_is_half_a_second_of_rest_at_the_goal(judge: MotionJudge, at: At) -> None:
@@ -59,7 +61,7 @@ def test_arm_that_does_not_leave_is_noticed_within_a_third_of_a_second(judge: Mo
 
 def test_goal_where_the_arm_already_is_is_reached_without_departing(move: BeginMove, at: At) -> None:
     here = replace(move, base_from_goal=at(0.0).base_from_tcp)
-    cause, _ = verdict(MotionJudge(here, at(0.0), 0.0), (at(index * CYCLE_S) for index in range(1000)))
+    cause, _ = verdict(MotionJudge(here, at(0.0), np.zeros(3), 0.0), (at(index * CYCLE_S) for index in range(1000)))
     assert cause is EndCause.ARRIVED
 
 
@@ -96,6 +98,83 @@ def test_program_that_vanishes_is_lost_control(judge: MotionJudge, at: At) -> No
         at(0.1 + index * CYCLE_S, x_mm=1.0 + index, speed_mm_s=15.0, program_running=False) for index in (0, 1, 2)
     )
     assert verdict(judge, readings)[0] is EndCause.CONTROL_LOST
+
+
+def after(at: At, count: int, **changes: object) -> Iterator[ArmState]:
+    """Readings of a calm motion that change after its first tenth of a second."""
+    for index in range(1, 13 + count):
+        time_s = index * CYCLE_S
+        yield at(time_s, x_mm=10.0 * time_s, speed_mm_s=10.0, **(changes if index > 12 else {}))
+
+
+@pytest.mark.parametrize("force_n", [[31.0, 0.0, 0.0], [0.0, 0.0, -31.0], [18.0, 18.0, 18.0]])
+def test_force_that_rises_ends_the_motion_within_three_readings(judge: MotionJudge, at: At, force_n: list) -> None:
+    cause, time_s = verdict(judge, after(at, 3, tcp_force_n=np.array(force_n)))
+    assert cause is EndCause.FORCE_RISE
+    assert time_s == pytest.approx(15 * CYCLE_S)
+
+
+def test_force_that_was_there_before_the_motion_is_no_rise(move: BeginMove, at: At) -> None:
+    weight_n = np.array([0.0, 0.0, -25.0])
+    judge = MotionJudge(move, at(0.0), weight_n, 0.0)
+    felt_n = weight_n + 29.0 * np.array([0.0, 1.0, 0.0])
+    assert verdict(judge, (replace(reading, tcp_force_n=felt_n) for reading in after(at, 20)))[0] is None
+
+
+def test_spike_of_two_readings_is_no_force(judge: MotionJudge, at: At) -> None:
+    assert verdict(judge, after(at, 2, tcp_force_n=np.array([0.0, 0.0, 500.0])))[0] is None
+    assert judge.judge(at(0.2, x_mm=2.0, speed_mm_s=10.0)) is None
+
+
+@pytest.mark.parametrize("change", [{"payload_kg": 1.1}, {"payload_centre_mm": np.array([0.0, 0.0, 56.0])}])
+def test_payload_that_changes_amid_the_motion_ends_it(judge: MotionJudge, at: At, change: dict[str, Any]) -> None:
+    assert verdict(judge, after(at, 1, **change))[0] is EndCause.PAYLOAD_CHANGED
+
+
+@pytest.mark.parametrize(("tcp_mm", "cause"), [(0.1, EndCause.TCP_CHANGED), (5.0, EndCause.TCP_CHANGED), (0.04, None)])
+def test_pose_that_leaps_without_the_joints_is_another_tcp(
+    judge: MotionJudge, at: At, tcp_mm: float, cause: EndCause | None
+) -> None:
+    def other(reading: ArmState) -> ArmState:
+        pose = reading.base_from_tcp.copy()
+        pose[:3, 3] += tcp_mm * pose[:3, 0]
+        return replace(reading, base_from_tcp=pose)
+
+    readings = [reading if index < 12 else other(reading) for index, reading in enumerate(after(at, 5))]
+    assert verdict(judge, iter(readings))[0] is cause
+
+
+def test_model_that_is_off_by_a_millimetre_on_a_calibrated_arm_is_no_other_tcp(move: BeginMove, at: At) -> None:
+    def calibrated(reading: ArmState) -> ArmState:
+        """A mismatch of 1 mm that changes by 0.3 mm along 10 mm, thirty times what a calibration does."""
+        pose = reading.base_from_tcp.copy()
+        pose[1, 3] += 1.0 + 0.03 * (pose[0, 3] - at(0.0).base_from_tcp[0, 3])
+        return replace(reading, base_from_tcp=pose)
+
+    goal = move.base_from_goal.copy()
+    goal[1, 3] += 1.3
+    judge = MotionJudge(replace(move, base_from_goal=goal), calibrated(at(0.0)), np.zeros(3), 0.0)
+    assert verdict(judge, map(calibrated, travel(at, 10.0, 2.0)))[0] is EndCause.ARRIVED
+
+
+@pytest.mark.parametrize(("y_mm", "cause"), [(0.9, None), (1.1, EndCause.OFF_PATH)])
+def test_arm_that_leaves_its_line_is_stopped(judge: MotionJudge, at: At, y_mm: float, cause: EndCause | None) -> None:
+    assert verdict(judge, after(at, 5, y_mm=y_mm))[0] is cause
+
+
+def test_arm_that_runs_past_its_goal_is_off_its_way(judge: MotionJudge, at: At) -> None:
+    assert verdict(judge, travel(at, 12.0, 0.1))[0] is EndCause.OFF_PATH
+
+
+@pytest.mark.parametrize(("turn_rad", "cause"), [(0.008, None), (0.010, EndCause.OFF_PATH)])
+def test_arm_that_turns_where_no_turn_was_approved_is_stopped(
+    move: BeginMove, reading: ArmState, turn_rad: float, cause: EndCause | None
+) -> None:
+    judge = MotionJudge(move, reading, np.zeros(3), 0.0)
+    joints_rad = reading.joints_rad + turn_rad * np.eye(6)[5]
+    turned = replace(reading, joints_rad=joints_rad, base_from_tcp=base_from_flange(joints_rad), program_running=True)
+    readings = (replace(turned, controller_time_s=time_s, received_at_s=time_s) for time_s in (0.008, 0.016, 0.024))
+    assert verdict(judge, readings)[0] is cause
 
 
 def test_motion_that_takes_far_longer_than_planned_is_ended(judge: MotionJudge, at: At) -> None:

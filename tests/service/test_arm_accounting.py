@@ -24,6 +24,7 @@ def _at(x_mm: float) -> ArmState:
         base_from_tcp=pose,
         tcp_speed_mm_s=0.0,
         tcp_turn_speed_rad_s=0.0,
+        tcp_force_n=np.zeros(3),
         payload_kg=1.0,
         payload_centre_mm=np.zeros(3),
         safety_bits=1,

@@ -59,7 +59,7 @@ def arm_at(x_mm: float, time_s: float) -> ArmState:
     pose[0, 3] = x_mm
     still = np.zeros(6)
     words = (1, 1, 7, 1, False, SafetyState.NORMAL)
-    return ArmState(time_s, time_s, still, still, pose, 0.0, 0.0, 1.0, np.zeros(3), *words)
+    return ArmState(time_s, time_s, still, still, pose, 0.0, 0.0, np.zeros(3), 1.0, np.zeros(3), *words)
 
 
 @pytest.fixture

@@ -62,7 +62,7 @@ def test_every_request_and_fact_of_the_table_has_a_route() -> None:
 
 
 def test_a_stranger_can_neither_command_nor_stop(running, case) -> None:
-    for path in (f"/cases/{case.id}/carm-position-confirmed", "/stop"):
+    for path in (f"/cases/{case.id}/carm-position-confirmed", "/stop", f"/cases/{case.id}/emergency-access"):
         answer = httpx.post(f"{running.url}/api{path}", json={})
         assert (answer.status_code, answer.json()["code"]) == (401, "not_signed_in")
 
