@@ -74,7 +74,7 @@ def start_service(
         def start(arm_address: str | None) -> Service:
             folder = tmp_path_factory.mktemp("data")
             service = Service(folder, arm_address, stack.enter_context(databases.migrated(folder)))
-            _add_users(service.database_url)
+            add_users(service.database_url)
             service.start()
             stack.callback(_end, service)
             return service
@@ -87,7 +87,7 @@ def _end(service: Service) -> None:
         service.end()
 
 
-def _add_users(database_url: str) -> None:
+def add_users(database_url: str) -> None:
     """One of each role, with hashes that cost no time."""
     database = open_database(database_url)
     users = UserStore(database, PasswordHasher(time_cost=1, memory_cost=8, parallelism=1))

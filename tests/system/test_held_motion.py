@@ -1,12 +1,15 @@
 """A held motion through service and guard to a controller, and every way that it ends."""
 
+import os
+import signal
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from service.client import Refused
-from simulator.controller import Fault
+from simulator.controller import Fault, Payload
 from tests.system.service_process import PIN
 from tests.system.walk import lifting
 
@@ -58,6 +61,39 @@ def test_silence_stops_the_arm_and_holds_the_case(case, held, controller, until)
     assert (status["state"], status["held_for"]) == ("safe_hold", "heartbeat_lost")
 
 
+def test_a_frozen_service_is_silence_and_its_return_moves_nothing(case, held, service, controller, until) -> None:
+    service.process.send_signal(signal.SIGSTOP)
+    _comes_to_rest(controller, until)
+    service.process.send_signal(signal.SIGCONT)
+    _comes_to_rest(controller, until)
+    assert case.wait_for("safe_hold")["held_for"] == "heartbeat_lost"
+
+
+def test_a_killed_guard_is_replaced_and_the_next_plan_starts_where_the_arm_is(
+    case, held, service, controller, until, lift
+) -> None:
+    os.kill(_guard_of(service), signal.SIGKILL)
+    _comes_to_rest(controller, until)
+    assert case.wait_for("safe_hold")["held_for"] == "guard_lost"
+    until(lambda: case.status()["arm"]["connected"])
+    with pytest.raises(Refused):
+        lift(10.0)
+    case.command("acknowledged", guide="empty")
+    before = _joints(controller)
+    with case.hold(case.approve(lift(5.0), PIN)) as hold:
+        assert hold.wait(20.0).cause == "arrived"
+    assert np.abs(_joints(controller) - before).max() < 0.1  # rad: 5 mm from there, not what was left of the old way
+
+
+def _guard_of(service) -> int:
+    """The service's child that guards."""
+    for child in Path(f"/proc/{service.process.pid}/task").glob("*/children"):
+        for process_id in child.read_text().split():
+            if b"robot.guard" in Path(f"/proc/{process_id}/cmdline").read_bytes():
+                return int(process_id)
+    raise AssertionError("the service has no guard")
+
+
 def test_a_stop_ends_the_motion_for_good(case, held, controller, until) -> None:
     case.stop()
     assert held.wait(5.0).cause == "stopped"
@@ -66,6 +102,53 @@ def test_a_stop_ends_the_motion_for_good(case, held, controller, until) -> None:
     case.command("acknowledged", guide="empty")
     _comes_to_rest(controller, until)
     assert case.status()["chain"]["permit"] is None
+
+
+def test_emergency_access_leaves_the_arm_to_the_pendant_and_holds_the_case(case, held, controller, until) -> None:
+    answer = case.emergency_access()
+    assert answer["sent_to_guard"]
+    assert answer["recorded"]
+    assert answer["pendant_released"]
+    assert held.wait(5.0).cause == "stopped"
+    _comes_to_rest(controller, until)
+    assert case.status()["state"] == "safe_hold"
+    stop = next(event for event in reversed(case.record()) if event["trigger"] == "stop")
+    assert stop["data"]["emergency_access"]
+    newest = controller.wire()[-1].number
+    controller.jog_linear(np.array([0.0, 0.0, 5.0]))  # by hand
+    time.sleep(1.0)
+    assert controller.wire(newest) == ()
+    assert "arm_disturbed" in {event["trigger"] for event in case.record()}
+
+
+def test_emergency_access_is_open_to_every_role_with_a_locked_session_too(case, service) -> None:
+    with service.sign_in("operator") as operator:
+        operator.post("/session/lock")
+        assert operator.case(case.id).emergency_access()["recorded"]
+    assert case.status()["state"] == "safe_hold"
+
+
+@pytest.mark.parametrize(
+    ("plant", "kind", "cause"),
+    [
+        (lambda controller: controller.inject(Fault.FORCE_STEP), "force_rise", "force_rise"),
+        (lambda controller: controller.set_payload(Payload(1.3)), "installation_changed", "payload_changed"),
+        (lambda controller: controller.inject(Fault.RTDE_RESET), "feedback_lost", "feedback_lost"),
+    ],
+)
+def test_a_fault_amid_a_motion_is_a_typed_event_and_holds_the_case(
+    case, held, controller, until, plant, kind, cause
+) -> None:
+    plant(controller)
+    assert held.wait(5.0).cause == cause
+    _comes_to_rest(controller, until)
+    assert case.wait_for("safe_hold")["held_for"] in (kind, "guard_lost")  # a guard whose link broke ends itself
+    fault = next(event for event in case.record() if event["trigger"] == "fault")
+    assert fault["data"]["cause"] == cause
+    assert case.status()["chain"]["permit"] is None
+    controller.set_payload(Payload())
+    controller.release()
+    until(lambda: case.status()["arm"]["connected"], 20.0)
 
 
 def test_taking_control_from_a_moving_arm_stops_it_first(case, held, service, controller, until) -> None:
