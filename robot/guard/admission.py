@@ -9,7 +9,7 @@ from robot.guard.observer import Observer
 from robot.guard.preflight import refuse_arm
 from robot.refusal import Refusal, RefusalCode
 
-_LIVE_WITHIN_S = 0.6  # taking control blocks, and heartbeats with it; a hold that is there shows within this
+_HEARD_WITHIN_S = 0.4  # taking control blocks, and heartbeats with it; a hold that is there shows within this after
 _YOUNG_S = 0.1  # a motion that starts on an older echo would end at the next hiccup
 _FLUSH_S = 1.0
 
@@ -44,7 +44,7 @@ class Admission:
         same = self._heartbeats.permit_id == course.move.permit_id and self._heartbeats.held
         age_s = self._heartbeats.age_s(now_s)
         old = age_s is None or age_s > _YOUNG_S
-        return same and old and now_s - course.began_at_s < _LIVE_WITHIN_S
+        return same and old and now_s - course.controlled_at_s < _HEARD_WITHIN_S
 
     def _refuse_now(self, move: BeginMove, now_s: float) -> Refusal | None:
         newest = self._observer.newest

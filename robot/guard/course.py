@@ -26,7 +26,7 @@ class Course:
     def __init__(self, move: BeginMove, arm: Arm, journal: Journal, clock: Callable[[], float]) -> None:
         self.move = move
         self.phase = Phase.STARTING
-        self.began_at_s = clock()
+        self.controlled_at_s = clock()
         self._arm = arm
         self._journal = journal
         self._clock = clock
@@ -45,6 +45,7 @@ class Course:
             self._flange_from_tcp = self._arm.flange_from_tcp()
         except RobotError as error:
             return Refusal(RefusalCode.CONTROLLER_REFUSED, str(error), None, None)
+        self.controlled_at_s = self._clock()
         return refuse_tcp(self.move, self._flange_from_tcp)
 
     def launch(self, start: ArmState, resting_force_n: Array) -> MotionStarted | Refusal:

@@ -74,8 +74,7 @@ class Controller:
 
     def release(self) -> None:
         """Clear all faults and bring the arm to running and normal, as a person at the pendant would, at once."""
-        self.clear()
-        self._call(self._core.safety.reset)
+        self._plant(lambda _: frozenset(), self._core.safety.reset)  # with no cycle in between
 
     def power(self, action: PowerAction) -> None:
         """Switch the arm's power from the pendant."""
@@ -158,9 +157,12 @@ class Controller:
     def _await(self, coroutine: Coroutine[Any, Any, Result]) -> Result:
         return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(_ANSWER_TIMEOUT_S)
 
-    def _plant(self, change: Callable[[frozenset[Fault]], frozenset[Fault]]) -> None:
+    def _plant(
+        self, change: Callable[[frozenset[Fault]], frozenset[Fault]], also: Callable[[], None] = lambda: None
+    ) -> None:
         async def plant() -> None:
             self._core.faults = change(self._core.faults)
+            also()
             await self._servers.open_ports()
 
         self._await(plant())

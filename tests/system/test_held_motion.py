@@ -75,7 +75,7 @@ def test_a_killed_guard_is_replaced_and_the_next_plan_starts_where_the_arm_is(
     os.kill(_guard_of(service), signal.SIGKILL)
     _comes_to_rest(controller, until)
     assert case.wait_for("safe_hold")["held_for"] == "guard_lost"
-    until(lambda: case.status()["arm"]["connected"])
+    until(lambda: case.status()["arm"]["connected"] and case.status()["arm"]["phase"] == "held")
     with pytest.raises(Refused):
         lift(10.0)
     case.command("acknowledged", guide="empty")
