@@ -60,6 +60,7 @@ class ErrorCode(StrEnum):
     LEDGER_BROKEN = "ledger_broken"
     KEY_REFUSED = "key_refused"
     ROOM_CLAIMED = "room_claimed"
+    EXTRA_MISSING = "extra_missing"
     PEER_UNREACHABLE = "peer_unreachable"
     PEER_UNKNOWN = "peer_unknown"
     VISION_DEADLINE = "vision_deadline"
@@ -180,6 +181,7 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.ROOM_CLAIMED: Answer(409, "Stop the other service of this room, or give this one a room of its own."),
     ErrorCode.PEER_UNREACHABLE: Answer(502, "Check the peer's address and AE title in the settings, and its own log."),
     ErrorCode.PEER_UNKNOWN: Answer(404, "Name the peer's host in the settings; until then enter the data by hand."),
+    ErrorCode.EXTRA_MISSING: Answer(501, "Install the program with the extra that the answer names."),
     ErrorCode.VISION_DEADLINE: Answer(503, "Try again; if it repeats, take a new image."),
     ErrorCode.VISION_CRASHED: Answer(503, "Try again; the image worker was restarted."),
     ErrorCode.VISION_OUT_OF_MEMORY: Answer(503, "Take a smaller image, or raise the memory limit in the settings."),

@@ -1,4 +1,4 @@
-"""`coaxial audit`: read the ledger, verify it, show the public key that its checkpoints are signed with.
+"""`coaxial audit`: read the ledger, export it, verify it, show the public key that its checkpoints are signed with.
 
 Exit status: 0 done, 1 the verification found something, 3 refused. What is heavy is imported where it is used.
 """
@@ -34,6 +34,13 @@ class FormatOption(StrEnum):
 
     JSONL = "jsonl"
     CSV = "csv"
+    DICOM = "dicom"
+    FHIR = "fhir"
+
+
+Since = Annotated[datetime | None, typer.Option(help="UTC.")]
+Until = Annotated[datetime | None, typer.Option(help="UTC; this moment is not in it.")]
+After = Annotated[int, typer.Option(help="Entries behind this number.", min=0)]
 
 
 @audit.callback()
@@ -59,26 +66,60 @@ def list_entries(
     action: Word = None,
     interlock: Word = None,
     hazard: Word = None,
-    since: Annotated[datetime | None, typer.Option(help="UTC.")] = None,
-    until: Annotated[datetime | None, typer.Option(help="UTC; this moment is not in it.")] = None,
-    after: Annotated[int, typer.Option(help="Entries behind this number.", min=0)] = 0,
+    since: Since = None,
+    until: Until = None,
+    after: After = 0,
     limit: Annotated[int, typer.Option(help="At most so many; 0: all.", min=0)] = 200,
     form: Annotated[FormatOption, typer.Option("--format")] = FormatOption.CSV,
     config: ConfigOption = None,
     data_folder: DataFolderOption = None,
 ) -> None:
     """Print entries, oldest first: CSV for reading, JSON Lines for every entry whole. This is an entry itself."""
+    words = (case, actor, action, interlock, hazard)
+    with _settings(config, data_folder) as settings:
+        _print(settings, "audit list", words, (since, until), after, limit or None, form)
+
+
+@audit.command("export")
+def export_entries(
+    case: Word = None,
+    actor: Word = None,
+    action: Word = None,
+    interlock: Word = None,
+    hazard: Word = None,
+    since: Since = None,
+    until: Until = None,
+    after: After = 0,
+    form: Annotated[FormatOption, typer.Option("--format")] = FormatOption.JSONL,
+    config: ConfigOption = None,
+    data_folder: DataFolderOption = None,
+) -> None:
+    """Print every entry, a line each: whole, or as DICOM audit messages (PS3.15 A.5) or FHIR AuditEvents."""
+    words = (case, actor, action, interlock, hazard)
+    with _settings(config, data_folder) as settings:
+        _print(settings, "audit export", words, (since, until), after, None, form)
+
+
+def _print(
+    settings: "Settings",
+    what: str,
+    words: tuple[str | None, ...],
+    times: tuple[datetime | None, ...],
+    after: int,
+    limit: int | None,
+    form: FormatOption,
+) -> None:
     from service.audit import record_reading
     from service.database.clock import as_utc
     from service.database.current import current_database
     from service.ledger.exports import ExportFormat, export
     from service.ledger.listing import Wanted
 
-    times = [as_utc(at) if at is not None else None for at in (since, until)]
-    wanted = Wanted(case, actor, action, interlock, hazard, *times)
-    with _settings(config, data_folder) as settings, current_database(settings) as database:
-        record_reading(database, None, "audit list", {"after": after, "limit": limit})
-        for text in export(database, wanted, ExportFormat(form), after, limit or None):
+    wanted = Wanted(*words, *(as_utc(at) if at is not None else None for at in times))
+    with current_database(settings) as database:
+        lines = export(database, wanted, ExportFormat(form), after, limit)
+        record_reading(database, None, what, {"after": after, "limit": limit, "format": form.value})
+        for text in lines:
             typer.echo(text, nl=False)
 
 

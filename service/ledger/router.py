@@ -63,7 +63,7 @@ def export_audit(
     after: After = 0,
     form: Annotated[ExportFormat, Query(alias="format")] = ExportFormat.JSONL,
 ) -> StreamingResponse:
-    """The same entries without an end, as JSON Lines or CSV."""
+    """The same entries without an end: JSON Lines, CSV, DICOM audit messages (PS3.15 A.5) or FHIR AuditEvents."""
     record_reading(parts.database, session.user_id, "audit_export", _asked(wanted, after))
     return StreamingResponse(export(parts.database, wanted, form, after), media_type=MEDIA_TYPES[form])
 

@@ -73,3 +73,14 @@ def test_a_key_for_others_is_refused(run, folder):
 def test_a_list_ends_at_its_limit(run):
     assert len(run("list", "--limit", "3").stdout.splitlines()) == 1 + 3
     assert len(run("list", "--limit", "0", "--case", "case-1").stdout.splitlines()) > 3
+
+
+@pytest.mark.parametrize("form", ["jsonl", "csv", "dicom", "fhir"])
+def test_an_export_prints_every_entry_and_is_one_itself(run, form):
+    lines = run("export", "--format", form, "--case", "case-1").stdout.splitlines()
+    listed = run("list", "--format", "jsonl", "--limit", "0", "--case", "case-1").stdout.splitlines()
+    assert len(lines) == len(listed) + (form == "csv")
+    (read,) = [
+        json.loads(line) for line in run("list", "--format", "jsonl", "--action", "log_read").stdout.splitlines()
+    ][:1]
+    assert read["payload"] == {"what": "audit export", "asked": {"after": 0, "format": form, "limit": None}}
