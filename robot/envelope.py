@@ -1,4 +1,4 @@
-"""The room that the moving end of the arm takes up, as capsules: guide and holder, wrist, forearm."""
+"""The room that the moving end of the arm takes up, as capsules: guide and holder, wrist, forearm, upper arm."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,11 @@ _AWAY_MM: Range = (0.0, 600.0)  # from the guide's origin
 _WRIST_NAMES = ("wrist 1", "wrist 2", "wrist 3")
 _WRIST_RADIUS_MM = 45.0
 _FOREARM_RADIUS_MM = 55.0
-_FOREARM_ASIDE_MM = 16.15  # the forearm's axis from the plane through the base: d4 less the offset of wrist 1
+_UPPER_ARM_RADIUS_MM = 60.0  # the housing of the elbow too
+_SHOULDER_RADIUS_MM = 75.0
+# From the plane through the base, along the axes of joints 2 to 4, which are parallel.
+_UPPER_ARM_ASIDE_MM = 135.85
+_FOREARM_ASIDE_MM = 16.15  # d4 less the offset of wrist 1
 # The guide's body is a bundle of rods: this many leave no gap at a ninth of its radius.
 _RODS = 36
 _ROD_SHARE = 1.0 / 9.0
@@ -95,14 +99,20 @@ def carried(envelope: Envelope, flange_from_guide: Transform) -> Capsules:
 
 
 def links(base_from_links: Array) -> Capsules:
-    """Capsules of forearm and wrist in the base frame, from the (7, 4, 4) frames of the links in mm."""
-    joints_mm = base_from_links[:, :3, 3]
-    aside = _FOREARM_ASIDE_MM * base_from_links[3, :3, 2]
+    """Capsules from shoulder to wrist in the base frame, from the (7, 4, 4) frames of the links in mm.
+
+    The base itself does not move, and stands on what the room file may hold.
+    """
+    joints_mm, axis = base_from_links[:, :3, 3], base_from_links[3, :3, 2]
+    near, far = _FOREARM_ASIDE_MM * axis, _UPPER_ARM_ASIDE_MM * axis
+    shoulder_mm, elbow_mm, wrist_mm = joints_mm[1:4]
     return Capsules(
-        names=("forearm", *_WRIST_NAMES),
-        starts_mm=np.vstack([joints_mm[2] + aside, joints_mm[3:6]]),
-        ends_mm=np.vstack([joints_mm[3] + aside, joints_mm[4:7]]),
-        radii_mm=np.array([_FOREARM_RADIUS_MM, *[_WRIST_RADIUS_MM] * len(_WRIST_NAMES)]),
+        names=("shoulder", "upper arm", "elbow", "forearm", *_WRIST_NAMES),
+        starts_mm=np.vstack([shoulder_mm, shoulder_mm + far, elbow_mm + far, elbow_mm + near, joints_mm[3:6]]),
+        ends_mm=np.vstack([shoulder_mm + far, elbow_mm + far, elbow_mm + near, wrist_mm + near, joints_mm[4:7]]),
+        radii_mm=np.array(
+            [_SHOULDER_RADIUS_MM, *[_UPPER_ARM_RADIUS_MM] * 2, _FOREARM_RADIUS_MM, *[_WRIST_RADIUS_MM] * 3]
+        ),
     )
 
 

@@ -15,6 +15,12 @@ class ArmUnreachableError(RobotError):
     code = "arm_unreachable"
 
 
+class ArmClaimedError(RobotError):
+    """Somebody else runs the arm."""
+
+    code = "arm_claimed"
+
+
 class ControllerRefusedError(RobotError):
     """The controller answered, and not with what was asked."""
 

@@ -68,7 +68,7 @@ class Sweep:
 def sweep(
     base_from_guides: Array, joints_rad: Array, flange_from_guide: Transform, envelope: Envelope, room: RoomShapes
 ) -> Sweep:
-    """Clearances of guide, holder, wrist and forearm along a path.
+    """Clearances of guide, holder and arm along a path.
 
     Parameters
     ----------

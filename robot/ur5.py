@@ -1,4 +1,4 @@
-"""Driver of a UR5 on the unmodified ur-rtde: the only module that speaks RTDE, and the only one that knows metres.
+"""Driver of a UR5 on the unmodified ur-rtde: the only module that drives by RTDE, and the only one that knows metres.
 
 It stays out of the library's known traps: control only while a motion is held, asynchronous moves only, never its
 `reconnect` (a new object instead), never `play`, no call to a controller whose port does not answer.
@@ -14,12 +14,12 @@ from rtde_receive import RTDEReceiveInterface
 from scipy.spatial.transform import Rotation
 
 from robot.arm import ArmState, LinearMove
+from robot.arm_claim import RTDE_PORT, ArmClaim
 from robot.dashboard import DashboardLink
-from robot.errors import ArmUnreachableError, ControllerRefusedError
+from robot.errors import ArmClaimedError, ArmUnreachableError, ControllerRefusedError, RobotError
 from robot.frames import Array, Transform
 from robot.safety import PROGRAM_RUNNING_BIT, SafetyWords, classify
 
-RTDE_PORT = 30004
 _PROBE_S = 0.3
 _RUNTIME_STOPPED = (0, 1)  # stopping, stopped; a paused program could be resumed and counts as running
 _TORN_READS = 3
@@ -32,6 +32,7 @@ class UR5:
     def __init__(self, address: str) -> None:
         self._address = address
         self._dashboard = DashboardLink(address)
+        self._claim = ArmClaim(address)
         self._receive: RTDEReceiveInterface | None = None
         self._control: RTDEControlInterface | None = None
         self._ending: Thread | None = None
@@ -43,8 +44,8 @@ class UR5:
         self._read_time_s = -1.0
 
     def connect(self) -> bool:
-        """Open dashboard and feedback; whatever program an earlier owner left behind is stopped first."""
-        if not self._dashboard.send_stop() or not self._answers():
+        """Claim the arm (H19), open dashboard and feedback; whatever an earlier owner left running is stopped first."""
+        if not self._may_have_it() or not self._dashboard.send_stop() or not self._answers():
             return False
         self._drop_receive()
         try:
@@ -155,6 +156,7 @@ class UR5:
         """Stop, and leave; the library's own connections end with the process."""
         self.send_stop()
         self._dashboard.close()
+        self._claim.give_up()
 
     def _owned(self) -> RTDEControlInterface:
         if self._control is None:
@@ -167,6 +169,17 @@ class UR5:
             self._closing.join(_CLOSING_S)
             if self._closing.is_alive():
                 raise ControllerRefusedError("the control connection of the last motion does not close")
+
+    def _may_have_it(self) -> bool:
+        """Whether the arm is ours; one that does not say whose it is is stopped all the same."""
+        try:
+            self._claim.take()
+        except ArmClaimedError:
+            return False
+        except RobotError:
+            self._dashboard.send_stop()
+            return False
+        return True
 
     def _answers(self) -> bool:
         """Whether the RTDE port takes connections: the library's constructors hang on one that does not."""

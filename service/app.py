@@ -45,13 +45,16 @@ BACKGROUND: tuple[Callable[[FastAPI, Parts], AbstractAsyncContextManager[None]],
 _DESCRIPTION = "Robot-assisted needle placement under C-arm fluoroscopy. Research software, not for clinical use."
 
 
-def create_app(settings: Settings) -> FastAPI:
-    """The application; nothing is opened before its lifespan starts."""
+def create_app(settings: Settings, claim_reason: str | None = None) -> FastAPI:
+    """The application; nothing is opened before its lifespan starts.
+
+    `claim_reason` is why the room is claimed from another workstation, where one left it.
+    """
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         async with AsyncExitStack() as stack:
-            app.state.parts = await stack.enter_async_context(assemble(settings))
+            app.state.parts = await stack.enter_async_context(assemble(settings, claim_reason))
             for background in BACKGROUND:
                 await stack.enter_async_context(background(app, app.state.parts))
             yield

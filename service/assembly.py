@@ -17,9 +17,9 @@ from service.vision_worker import VisionWorker
 
 
 @asynccontextmanager
-async def assemble(settings: Settings) -> AsyncIterator[Parts]:
+async def assemble(settings: Settings, claim_reason: str | None = None) -> AsyncIterator[Parts]:
     """Every part of the service, up; ServiceError where disk, database, schema or the room claim refuse."""
-    with current_database(settings) as database, room_claim(database, settings.room):
+    with current_database(settings) as database, room_claim(database, settings.room, claim_reason):
         arrivals = ImageArrivals()
         users = UserStore(database)
         vision = VisionWorker(settings.vision)

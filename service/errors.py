@@ -63,6 +63,7 @@ class ErrorCode(StrEnum):
     EXTRA_MISSING = "extra_missing"
     PEER_UNREACHABLE = "peer_unreachable"
     PEER_UNKNOWN = "peer_unknown"
+    ROOM_LEFT = "room_left"
     VISION_DEADLINE = "vision_deadline"
     VISION_CRASHED = "vision_crashed"
     VISION_OUT_OF_MEMORY = "vision_out_of_memory"
@@ -182,6 +183,9 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.PEER_UNREACHABLE: Answer(502, "Check the peer's address and AE title in the settings, and its own log."),
     ErrorCode.PEER_UNKNOWN: Answer(404, "Name the peer's host in the settings; until then enter the data by hand."),
     ErrorCode.EXTRA_MISSING: Answer(501, "Install the program with the extra that the answer names."),
+    ErrorCode.ROOM_LEFT: Answer(
+        409, "If that workstation is dead, start with `coaxial serve --claim-room REASON`; else end its service first."
+    ),
     ErrorCode.VISION_DEADLINE: Answer(503, "Try again; if it repeats, take a new image."),
     ErrorCode.VISION_CRASHED: Answer(503, "Try again; the image worker was restarted."),
     ErrorCode.VISION_OUT_OF_MEMORY: Answer(503, "Take a smaller image, or raise the memory limit in the settings."),
@@ -255,6 +259,7 @@ ANSWERS: dict[str, Answer] = {
     "move_too_far": Answer(409, "Go in several motions, each planned and approved."),
     "stopped": Answer(409, "Plan and approve anew."),
     "journal_unwritable": Answer(507, "Free space on the data folder's disk; stop still works."),
+    "arm_claimed": Answer(409, "End the other service that runs this arm, or give this one an arm of its own."),
     "controller_refused": Answer(409, "Look at the controller's message on the pendant."),
     "robot_fault": Answer(503, "Look at the arm; stop still works."),
     "guard_down": Answer(503, "Start the service again; no motion is possible before."),

@@ -22,13 +22,13 @@ class _Server(uvicorn.Server):
             print(f"Coaxial listens on http://{host}:{port}", flush=True)
 
 
-def run(settings: Settings) -> None:
+def run(settings: Settings, claim_reason: str | None = None) -> None:
     """Serve until interrupted; ServiceError where a part refuses to start."""
-    asyncio.run(_serve(settings))
+    asyncio.run(_serve(settings, claim_reason))
 
 
-async def _serve(settings: Settings) -> None:
-    app = create_app(settings)
+async def _serve(settings: Settings, claim_reason: str | None) -> None:
+    app = create_app(settings, claim_reason)
     async with app.router.lifespan_context(app):
         # uvicorn raises the signal that ended it once more; the default action would skip the parts' own ending.
         for ending in (signal.SIGINT, signal.SIGTERM):

@@ -15,6 +15,9 @@ def serve_command(
     config: Annotated[Path | None, typer.Option(help="Settings file (TOML); COAXIAL_ variables win.")] = None,
     data_folder: Annotated[Path | None, typer.Option(help="Where the database is kept.")] = None,
     port: Annotated[int | None, typer.Option(min=0, max=65535, help="HTTP port; 0 takes a free one.")] = None,
+    claim_room: Annotated[
+        str | None, typer.Option(help="Reason to claim the room from another workstation, which is dead.")
+    ] = None,
 ) -> None:
     """Run the service of one room until it is interrupted; prints its address once it answers."""
     from service.errors import ServiceError, answer_for
@@ -27,7 +30,7 @@ def serve_command(
         overrides["http"] = {"port": port}
     configure_log()
     try:
-        run(load_settings(config, overrides))
+        run(load_settings(config, overrides), claim_room or None)
     except ServiceError as error:
         typer.echo(f"{error.code}: {error.message}. {answer_for(error.code).what_to_do}", err=True)
         raise typer.Exit(_REFUSED) from error

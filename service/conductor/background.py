@@ -13,6 +13,7 @@ from service.conductor.conductor import Conductor
 from service.conductor.image_flow import ImageFlow
 from service.conductor.recovery import recover
 from service.conductor.taking import Taken
+from service.motion.arm_claim import refuse_claimed_arm
 from service.motion.bridge import ArmBridge
 from service.motion.endings import Endings
 from service.motion.insertion_watch import watch_insertions
@@ -26,7 +27,11 @@ _log = structlog.get_logger(__name__)
 
 @asynccontextmanager
 async def conducting(app: FastAPI, parts: Parts) -> AsyncIterator[None]:
-    """The conductor, up; the restart is recorded before the arm or an image can say anything."""
+    """The conductor, up; the restart is recorded before the arm or an image can say anything.
+
+    ServiceError arm_claimed where somebody else runs the arm.
+    """
+    await asyncio.to_thread(refuse_claimed_arm, parts.settings.arm_address)
     bridge = ArmBridge(_guard_config(parts))
     conductor, endings, bell = Conductor(parts, bridge), Endings(), StatusBell()
     images, observer = ImageFlow(conductor), MotionObserver(conductor, endings)

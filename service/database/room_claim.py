@@ -8,11 +8,12 @@ import os
 import socket
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import sqlalchemy as sa
 
+from service.audit import record_audit
 from service.database import tables
 from service.database.clock import now_utc
 from service.database.engines import Database
@@ -20,14 +21,20 @@ from service.errors import ErrorCode, ServiceError
 
 
 @contextmanager
-def room_claim(database: Database, room: str) -> Iterator[None]:
-    """Hold the room; ServiceError ROOM_CLAIMED if another service does (on SQLite: any service on this file)."""
+def room_claim(database: Database, room: str, reason: str | None = None) -> Iterator[None]:
+    """Hold the room, and give it up at the end; ServiceError ROOM_CLAIMED or ROOM_LEFT.
+
+    Another service that runs keeps it (on SQLite: any service on this file). One of another workstation that ended
+    without giving it up may still drive the arm from there, behind a network that is down: only a person's `reason`
+    claims the room from it, and is recorded.
+    """
     lock = _file_lock if database.writer.dialect.name == "sqlite" else _server_lock
     with lock(database, room) as taken:
         if not taken:
             raise ServiceError(ErrorCode.ROOM_CLAIMED, f"room {room} is run by {_holder(database, room)}")
-        _write_holder(database, room)
+        _claim(database, room, reason)
         yield
+        _give_up(database, room)
 
 
 @contextmanager
@@ -60,9 +67,21 @@ def _holder(database: Database, room: str) -> str:
         return connection.execute(query).scalar() or "another service"
 
 
-def _write_holder(database: Database, room: str) -> None:
-    claims = tables.room_claims
-    values = {"holder": f"process {os.getpid()} on {socket.gethostname()}", "claimed_at": now_utc()}
+def _claim(database: Database, room: str, reason: str | None) -> None:
+    claims, here = tables.room_claims, socket.gethostname()
     with database.write() as connection:
-        if connection.execute(sa.update(claims).where(claims.c.room == room).values(values)).rowcount == 0:
-            connection.execute(sa.insert(claims).values(room=room, **values))
+        left_by = connection.execute(sa.select(claims.c.holder).where(claims.c.room == room)).scalar()
+        if left_by is not None and not left_by.endswith(f" on {here}"):
+            if reason is None:
+                raise ServiceError(ErrorCode.ROOM_LEFT, f"room {room} was last run by {left_by}, which did not end it")
+            data = {"room": room, "reason": reason, "left_by": left_by, "claimed_by": here}
+            record_audit(connection, "room_claimed", None, data)
+        connection.execute(sa.delete(claims).where(claims.c.room == room))
+        holder = f"process {os.getpid()} on {here}"
+        connection.execute(sa.insert(claims).values(room=room, holder=holder, claimed_at=now_utc()))
+
+
+def _give_up(database: Database, room: str) -> None:
+    # What cannot be written any more stays this workstation's, where the service starts again without a reason.
+    with suppress(ServiceError), database.write() as connection:
+        connection.execute(sa.delete(tables.room_claims).where(tables.room_claims.c.room == room))

@@ -95,14 +95,24 @@ def test_only_the_segment_that_comes_too_near_is_named() -> None:
 
 @pytest.mark.parametrize(
     ("part", "point_in_link"),
-    [("wrist 1", (4, 0.5)), ("wrist 2", (5, 0.5)), ("wrist 3", (6, 0.5)), ("forearm", (3, 0.5))],
+    [
+        ("wrist 1", (4, 0.5, 0.0)),
+        ("wrist 2", (5, 0.5, 0.0)),
+        ("wrist 3", (6, 0.5, 0.0)),
+        ("forearm", (3, 0.5, 16.15)),
+        ("elbow", (2, 1.0, 75.0)),
+        ("upper arm", (2, 0.5, 135.85)),
+        ("shoulder", (1, 1.0, 60.0)),
+    ],
 )
-def test_wrist_and_forearm_are_kept_out_too(part: str, point_in_link: tuple[int, float]) -> None:
+def test_arm_from_shoulder_to_wrist_is_kept_out_too(part: str, point_in_link: tuple[int, float, float]) -> None:
+    """Points on the axes of a UR5's housings, as its drawings have them aside from the plane of its joints."""
     from robot.kinematics import link_frames
 
     frames = link_frames(JOINTS_RAD)
-    link, share = point_in_link
+    link, share, aside_mm = point_in_link
     centre = frames[link - 1, :3, 3] + share * (frames[link, :3, 3] - frames[link - 1, :3, 3])
+    centre = centre + aside_mm * frames[3, :3, 2]
     refusal = way(ahead([0.0, 0.0, 5.0]), room_with(cube("pole", centre, 10.0)))
     assert isinstance(refusal, Refusal)
     assert part in refusal.message

@@ -84,14 +84,14 @@ def running(tmp_path_factory: pytest.TempPathFactory, databases: Databases) -> I
 
 
 @pytest.fixture(scope="session")
-def serving() -> Callable[[Settings], AbstractContextManager[RunningService]]:
+def serving() -> Callable[..., AbstractContextManager[RunningService]]:
     """Services of a test's own settings, one after another."""
     return contextmanager(serve_in_thread)
 
 
-def serve_in_thread(settings: Settings) -> Iterator[RunningService]:
+def serve_in_thread(settings: Settings, claim_reason: str | None = None) -> Iterator[RunningService]:
     """The service of `settings` on a free port, in a thread with an event loop of its own."""
-    app = create_app(settings)
+    app = create_app(settings, claim_reason)
     server = uvicorn.Server(server_config(app, settings))
 
     async def serve() -> None:
