@@ -157,14 +157,14 @@ def _singular(joints_rad: Array) -> Array:
 
 
 def _needed(swept: Sweep, clearance_mm: float, leaving: bool) -> Array:
-    """Clearance that each of the (shapes,) needs."""
-    asked = np.full(len(swept.shapes), clearance_mm)
+    """Clearance that each of the (parts, shapes) needs."""
+    asked = np.full(swept.start_mm.shape, clearance_mm)
     return np.minimum(asked, swept.start_mm) if leaving else asked
 
 
 def _path(line: Line, pace: Pace, joints_rad: Array, along: tuple[Array, Sweep, Array], limits: PathLimits) -> Path:
     samples, swept, needed_mm = along
-    nearest = swept.worst_against(needed_mm)
+    nearest, limit_mm = swept.worst_against(needed_mm)
     return Path(
         base_from_goal=line.base_from_goal,
         start_joints_rad=joints_rad[0],
@@ -179,7 +179,7 @@ def _path(line: Line, pace: Pace, joints_rad: Array, along: tuple[Array, Sweep, 
         smallest_singular_value=float(_singular(joints_rad).min()),
         swept=swept,
         clearance_mm=nearest.clearance_mm,
-        needed_mm=float(needed_mm[swept.shapes.index(nearest.shape)]),
+        needed_mm=limit_mm,
     )
 
 

@@ -68,9 +68,8 @@ def refuse_steps(line: Line, pace: Pace, joints_rad: Array, limits: PathLimits) 
 
 
 def refuse_nearness(line: Line, swept: Sweep, needed_mm: Array) -> Refusal | None:
-    """Nothing of the arm comes nearer to the (shapes,) than each needs (H12)."""
-    worst = swept.worst_against(needed_mm)
-    limit_mm = float(needed_mm[swept.shapes.index(worst.shape)])
+    """No part of the arm comes nearer to a shape than the (parts, shapes) need (H12)."""
+    worst, limit_mm = swept.worst_against(needed_mm)
     if worst.clearance_mm >= limit_mm:
         return None
     segments = len(swept.clearances_mm)

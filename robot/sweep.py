@@ -36,7 +36,7 @@ class Sweep:
         Of the arm, one for each capsule.
     clearances_mm : (segments, parts, shapes)
         Lower bounds for everything between two samples.
-    start_mm : (shapes,)
+    start_mm : (parts, shapes)
         Lower bounds for the beginning of the path.
     """
 
@@ -55,10 +55,11 @@ class Sweep:
         part, shape = np.unravel_index(int(self.clearances_mm[segment].argmin()), self.clearances_mm.shape[1:])
         return self._at((segment, part, shape))
 
-    def worst_against(self, needed_mm: Array) -> Nearest:
-        """Where the most is missing of what each of the (shapes,) needs."""
+    def worst_against(self, needed_mm: Array) -> tuple[Nearest, float]:
+        """Where the most is missing of what each of the (parts, shapes) needs, and what is needed there, mm."""
         left_mm = self.clearances_mm - needed_mm
-        return self._at(np.unravel_index(int(left_mm.argmin()), left_mm.shape))
+        segment, part, shape = np.unravel_index(int(left_mm.argmin()), left_mm.shape)
+        return self._at((segment, part, shape)), float(needed_mm[part, shape])
 
     def _at(self, place: tuple[np.intp | int, ...]) -> Nearest:
         segment, part, shape = (int(index) for index in place)
@@ -94,7 +95,7 @@ def sweep(
         shapes=tuple(shape.name for shape in room.shapes),
         parts=steps[0].names,
         clearances_mm=np.minimum(at_samples_mm[:-1], at_samples_mm[1:]) - slack_mm,
-        start_mm=(at_samples_mm[0] - slack_mm.max(axis=0)).min(axis=0),
+        start_mm=at_samples_mm[0] - slack_mm.max(axis=0),
     )
 
 

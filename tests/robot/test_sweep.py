@@ -188,8 +188,9 @@ def _between(start: np.ndarray, goal: np.ndarray) -> list[np.ndarray]:
 
 
 def test_arm_that_stands_too_near_may_leave_along_its_axis_but_come_no_nearer() -> None:
-    under = HalfSpace("back", Occupant.PATIENT, (START @ np.array([0.0, 0.0, -68.0, 1.0]))[:3], START[:3, 2])
-    room = room_with(under)  # 2 mm below the body's end, of which its rods take 4
+    under = ahead([0.0, 0.0, -68.0 - 25.0])
+    room = room_with(Box("back", Occupant.PATIENT, under, np.array([100.0, 100.0, 25.0])))
+    # 2 mm below the body's end, of which its rods take 4
     upwards, downwards = ahead([0.0, 0.0, 60.0]), ahead([0.0, 0.0, -3.0])
     assert isinstance(way(upwards, room), Refusal)
     leaving = way(upwards, room, leaving=True)
