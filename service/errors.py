@@ -41,6 +41,7 @@ class ErrorCode(StrEnum):
     IMAGE_NOT_REGISTERED = "image_not_registered"
     EXPOSURE_POSE_UNKNOWN = "exposure_pose_unknown"
     ARM_UNKNOWN = "arm_unknown"
+    NUDGE_TOO_SHORT = "nudge_too_short"
     IMAGE_UNKNOWN = "image_unknown"
     FINDINGS_UNKNOWN = "findings_unknown"
     IMAGE_BYTES_TOO_LARGE = "image_bytes_too_large"
@@ -152,6 +153,7 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.IMAGE_NOT_REGISTERED: Answer(409, "Pick the target in the registered image that the status names."),
     ErrorCode.EXPOSURE_POSE_UNKNOWN: Answer(409, "Request an exposure and take a new image."),
     ErrorCode.ARM_UNKNOWN: Answer(409, "Connect the arm, switch it on, and wait until the status shows it."),
+    ErrorCode.NUDGE_TOO_SHORT: Answer(422, "Plan a nudge of 5 mm or more along the guide's own y."),
     ErrorCode.IMAGE_UNKNOWN: Answer(404, "Choose an image from the list."),
     ErrorCode.FINDINGS_UNKNOWN: Answer(404, "Choose an image whose registration or verification was refused."),
     ErrorCode.IMAGE_BYTES_TOO_LARGE: Answer(413, "Send a single frame below the limit in the answer."),
@@ -199,7 +201,7 @@ ANSWERS: dict[str, Answer] = {
     ),
     "mirrored": Answer(422, "Switch off the C-arm's image flip, then expose again."),
     "handedness_unproved": Answer(
-        422, "Turn the C-arm or the guide so that the bead is clear of its mirror place, then expose again."
+        422, "Nudge the guide by 5 mm or more along its y with the C-arm at rest, then expose again."
     ),
     "plate_missing": Answer(422, "Mount the correction plate, then expose again."),
     "plate_too_sparse": Answer(422, "Uncover the correction plate, then expose again."),

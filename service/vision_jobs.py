@@ -6,6 +6,7 @@ The shapes are those of the command line: a refusal is `{"status": "refused", "r
 import base64
 import math
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,13 @@ from vision.devices import CArm, Guide, read_carm, read_guide
 from vision.drawing import draw, png
 from vision.evaluation import evaluate_registration
 from vision.findings import Findings
+from vision.handedness import prove_handedness
 from vision.inspection import inspect
 from vision.motion_agreement import MotionErrors, detectable_motion
 from vision.refusal import Refusal
 from vision.registered import PixelSpace, Registration
 from vision.registration import examine
+from vision.registration import register as find_guide
 from vision.registration_json import from_json, to_json
 from vision.result_json import (
     carm_angles_to_json,
@@ -37,15 +40,18 @@ from vision.xray import XrayImage, decode
 Json = dict[str, Any]
 
 
-def register(image: bytes, guide: bytes, carm: bytes) -> Json:
-    """Find the guide in an image; a refusal comes with a picture of what was found."""
+def register(image: bytes, guide: bytes, carm: bytes, handedness_proved: bool = False) -> Json:
+    """Find the guide in an image; a refusal comes with a picture of what was found.
+
+    `handedness_proved`: a nudge has shown that this C-arm connection does not mirror (H05).
+    """
     decoded = decode(image)
     if isinstance(decoded, Refusal):
         return refusal_to_json(decoded)
     guide_file, carm_file = read_guide(guide), read_carm(carm)
-    findings = examine(decoded, guide_file, carm_file)
+    findings = examine(decoded, guide_file, carm_file, handedness_proved=handedness_proved)
     if isinstance(findings.result, Registration):
-        return to_json(findings.result)
+        return _registration_json(findings.result)
     return refusal_to_json(findings.result) | _picture(decoded, guide_file, carm_file, findings)
 
 
@@ -58,6 +64,34 @@ def annotate(image: bytes, guide: bytes, carm: bytes, raw_px: tuple[float, float
     findings = examine(decoded, guide_file, carm_file)
     inspection = inspect(decoded, guide_file, carm_file, findings, raw_px, PixelSpace.RAW, depth_mm)
     return {"status": "drawn", "picture_png_base64": base64.b64encode(png(draw(inspection))).decode()}
+
+
+def handedness(
+    first: bytes, second: bytes, guide: bytes, carm: bytes, before_from_after: list[list[float]], errors: Json
+) -> Json:
+    """The second image's registration, where the two prove with the arm's motion that nothing mirrors them (H05)."""
+    before, after = (_unproved(image, guide, carm) for image in (first, second))
+    if isinstance(before, Refusal):
+        return refusal_to_json(before)
+    if isinstance(after, Refusal):
+        return refusal_to_json(after)
+    proof = prove_handedness(before, after, np.array(before_from_after), _motion_errors(errors))
+    if isinstance(proof, Refusal):
+        return refusal_to_json(proof)
+    return _registration_json(after) | {"nudge": asdict(proof)}
+
+
+def _registration_json(registration: Registration) -> Json:
+    """Without a bead there is none unless a nudge proved its handedness, which it says."""
+    return to_json(registration) | ({"handedness_by": "nudge"} if registration.guide.bead is None else {})
+
+
+def _unproved(image: bytes, guide: bytes, carm: bytes) -> Registration | Refusal:
+    """A registration whose handedness is still to be proved."""
+    decoded = decode(image)
+    if isinstance(decoded, Refusal):
+        return decoded
+    return find_guide(decoded, read_guide(guide), read_carm(carm), handedness_proved=True)
 
 
 def target(registration: Json, raw_px: tuple[float, float], depth_mm: float, errors: Json) -> Json:
@@ -76,8 +110,8 @@ def evaluate(
     """How well the guide points, what else moved, and this image's contour registration for a correction.
 
     A refusal comes with a picture of what was found. `before` holds the `image` from which the move was planned, its
-    `registration`, the guide's motion since by the arm (`before_from_after`) and the standard deviations of that
-    (`errors`).
+    `registration`, the guide's motion since by the arm (`before_from_after`), its standard deviations (`errors`) and
+    whether a nudge proved the connection's handedness (`handedness_proved`).
     """
     decoded, first = decode(image), decode(before["image"])
     if isinstance(decoded, Refusal):
@@ -85,7 +119,7 @@ def evaluate(
     if isinstance(first, Refusal):
         return refusal_to_json(first)
     guide_file, carm_file = read_guide(guide), read_carm(carm)
-    findings = examine(decoded, guide_file, carm_file)
+    findings = examine(decoded, guide_file, carm_file, handedness_proved=before["handedness_proved"])
     result = _compared(findings.result, decoded, first, raw_px, depth_mm, before)
     if isinstance(result, Refusal):
         return refusal_to_json(result) | _picture(decoded, guide_file, carm_file, findings)
@@ -111,7 +145,7 @@ def _compared(
     compared = compare_images(known, image, registered, raw_px, depth_mm)
     if isinstance(compared, Refusal):
         return compared
-    return evaluation_to_json(result) | two_images_to_json(compared) | {"registration": to_json(registered)}
+    return evaluation_to_json(result) | two_images_to_json(compared) | {"registration": _registration_json(registered)}
 
 
 def _picture(image: XrayImage, guide: Guide, carm: CArm, findings: Findings) -> Json:
@@ -148,5 +182,5 @@ def echo(image: bytes, registration: Json, pixel: tuple[float, float], space: st
 
 
 JOBS: dict[str, Callable[..., Json]] = {
-    job.__name__: job for job in (register, annotate, target, evaluate, carm_angles, echo)
+    job.__name__: job for job in (register, annotate, handedness, target, evaluate, carm_angles, echo)
 }

@@ -19,6 +19,7 @@ from service.settings import VisionSettings
 
 _log = structlog.get_logger(__name__)
 Json = dict[str, Any]
+Matrix = list[list[float]]
 
 # A spawned process shares neither locks nor the guard's pipe with the service; a forked one would.
 _SPAWN = multiprocessing.get_context("spawn")
@@ -51,13 +52,19 @@ class VisionWorker:
         await asyncio.to_thread(self._thread.shutdown)
         self._end()
 
-    async def register(self, image: bytes, guide: bytes, carm: bytes) -> Json:
+    async def register(self, image: bytes, guide: bytes, carm: bytes, handedness_proved: bool = False) -> Json:
         """`coaxial register` on bytes; the image's path is left out."""
-        return await self.run("register", image, guide, carm)
+        return await self.run("register", image, guide, carm, handedness_proved)
 
     async def target(self, registration: Json, raw_px: tuple[float, float], depth_mm: float, errors: Json) -> Json:
         """`coaxial target` from a registration's JSON, with what the next image will see to have moved."""
         return await self.run("target", registration, raw_px, depth_mm, errors)
+
+    async def handedness(
+        self, images: tuple[bytes, bytes], guide: bytes, carm: bytes, before_from_after: Matrix, errors: Json
+    ) -> Json:
+        """The second image's registration, if the two prove that nothing mirrors them."""
+        return await self.run("handedness", *images, guide, carm, before_from_after, errors)
 
     async def evaluate(
         self, image: bytes, guide: bytes, carm: bytes, raw_px: tuple[float, float], depth_mm: float, before: Json

@@ -20,6 +20,7 @@ from service.conductor.answering import answer_of, error_of, record_failed_attem
 from service.conductor.answers import CommandAnswer
 from service.conductor.caller import Caller
 from service.conductor.echoes import Echoes
+from service.conductor.handedness import ProvedConnections
 from service.conductor.limits import limits_from
 from service.conductor.taking import Prepare, Rules, Taken, stand, take
 from service.database.free_space import check_free_space
@@ -68,6 +69,7 @@ class Conductor:
         limits = limits_from(settings.limits)
         self.rules = Rules(bridge.watch, limits, clock, settings.fingerprint(), settings.room)
         self.echoes = Echoes()
+        self.proved = ProvedConnections()
         self.on_effect: dict[Effect, Callable[[Taken], None]] = {}
         self._live: Taken | None = None
         self._unlocking = threading.Lock()

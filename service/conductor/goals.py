@@ -19,6 +19,7 @@ from service.conductor.bodies import Pose, RequestPlan
 from service.conductor.device_set import DeviceSet
 from service.errors import ErrorCode, ServiceError
 from service.images.store import exposure_pose
+from vision.handedness import LEAST_NUDGE_MM
 from workflow.case import CaseState
 from workflow.plans import PlanKind
 from workflow.verdicts import Verdict
@@ -45,7 +46,7 @@ def goal_of(connection: Connection, case: CaseState, wanted: RequestPlan, arm: A
         case PlanKind.APPROACH | PlanKind.CALIBRATION:
             return Goal(_pose(wanted.base_from_goal), False, dict.fromkeys(_PREDICTED))
         case PlanKind.NUDGE:
-            return Goal(goal_in_base(arm.base_from_tcp, _pose(wanted.step)), False, dict.fromkeys(_PREDICTED))
+            return Goal(goal_in_base(arm.base_from_tcp, _nudge(wanted.step)), False, dict.fromkeys(_PREDICTED))
         case PlanKind.RETREAT:
             return Goal(
                 goal_in_base(arm.base_from_tcp, retreat(wanted.distance_mm or 0.0)), True, dict.fromkeys(_PREDICTED)
@@ -94,6 +95,16 @@ def _at_the_target(connection: Connection, case: CaseState) -> Goal:
     base_from_guide = exposure_pose(connection, case.image.id)
     base_from_goal = goal_in_base(base_from_guide, np.array(targeting["guide_from_goal"]))
     return Goal(base_from_goal, False, {name: targeting[name] for name in _PREDICTED})
+
+
+def _nudge(step: Pose | None) -> Transform:
+    """A step that can prove handedness; ServiceError NUDGE_TOO_SHORT (H05)."""
+    guide_from_goal = _pose(step)
+    along_mm = abs(float(guide_from_goal[1, 3]))
+    if along_mm < LEAST_NUDGE_MM:
+        message = "a nudge goes along the guide's own y, or it proves nothing (mm)"
+        raise ServiceError(ErrorCode.NUDGE_TOO_SHORT, message, measured=along_mm, limit=LEAST_NUDGE_MM)
+    return guide_from_goal
 
 
 def _pose(pose: Pose | None) -> Transform:

@@ -180,8 +180,8 @@ def _evaluated(image_id: str, result: Json) -> Prepared:
 
 
 def _summary(result: Json) -> Json:
-    kept = ("residual_rms_px", "predicted_error_95", "elapsed_ms")
-    return {key: result[key] for key in kept} | {"balls": result["distortion"].get("balls")}
+    kept = ("residual_rms_px", "predicted_error_95", "elapsed_ms", "handedness_by", "nudge")
+    return {key: result[key] for key in kept if key in result} | {"balls": result["distortion"].get("balls")}
 
 
 def _failed(error: ServiceError) -> Json:

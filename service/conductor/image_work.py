@@ -13,8 +13,9 @@ from service.cases import store
 from service.cases.records import ArtefactKind
 from service.conductor.conductor import Conductor
 from service.conductor.device_set import DeviceSet, devices_of
+from service.conductor.handedness import UNPROVED, CArmConnection, connection_of, prove_by_nudge
 from service.errors import ServiceError
-from service.images.store import exposure_pose, original_bytes
+from service.images.store import exposure_pose, original_bytes, read_image
 from workflow.facts import RegistrationQuality
 
 Json = dict[str, Any]
@@ -26,12 +27,21 @@ class ImageInputs:
 
     image: bytes
     devices: DeviceSet
+    connection: CArmConnection
 
 
 async def register_image(conductor: Conductor, case_id: str, image_id: str) -> Json:
-    """Find the guide in a stored image; refused as JSON, ServiceError where the work failed."""
+    """Find the guide in a stored image; refused as JSON, ServiceError where the work failed.
+
+    Without a bead, a nudge between an earlier image of the view and this one proves the handedness (H05).
+    """
     inputs = await asyncio.to_thread(_inputs, conductor, case_id, image_id)
-    return await conductor.parts.vision.register(inputs.image, inputs.devices.guide, inputs.devices.carm)
+    devices, proved = inputs.devices, conductor.proved.know(inputs.connection)
+    result = await conductor.parts.vision.register(inputs.image, devices.guide, devices.carm, proved)
+    if result["status"] == "registered" or result["reason"]["code"] != UNPROVED:
+        return result
+    nudged = await prove_by_nudge(conductor, case_id, image_id, _errors_of(conductor, devices))
+    return nudged or result
 
 
 async def evaluate_image(conductor: Conductor, case_id: str, image_id: str, target: Mapping[str, Any]) -> Json:
@@ -41,6 +51,7 @@ async def evaluate_image(conductor: Conductor, case_id: str, image_id: str, targ
     """
     inputs = await asyncio.to_thread(_inputs, conductor, case_id, image_id)
     before = await asyncio.to_thread(_before, conductor, case_id, image_id, target)
+    before["handedness_proved"] = conductor.proved.know(inputs.connection)
     devices, pixel = inputs.devices, _pair(target["raw_px"])
     depth_mm = float(target["depth_mm"])
     return await conductor.parts.vision.evaluate(inputs.image, devices.guide, devices.carm, pixel, depth_mm, before)
@@ -78,7 +89,7 @@ def quality_of(registration: Mapping[str, Any]) -> RegistrationQuality:
     """What a registration measured about itself, for the interlocks."""
     predicted, carm = registration["predicted_error_95"], registration["carm"]
     return RegistrationQuality(
-        handedness_proved=registration.get("bead_px") is not None,
+        handedness_proved=registration.get("bead_px") is not None or registration.get("handedness_by") == "nudge",
         plate_required=carm.get("plate") is not None,
         plate_balls=registration["distortion"].get("balls"),
         scale_error=_scale_error(registration),
@@ -109,7 +120,9 @@ def accepted(result: Json) -> Json:
 
 def _inputs(conductor: Conductor, case_id: str, image_id: str) -> ImageInputs:
     with conductor.parts.database.read() as connection:
-        return ImageInputs(original_bytes(connection, image_id), devices_of(connection, case_id))
+        devices = devices_of(connection, case_id)
+        came_by = connection_of(read_image(connection, image_id), devices)
+        return ImageInputs(original_bytes(connection, image_id), devices, came_by)
 
 
 def _before(conductor: Conductor, case_id: str, image_id: str, target: Mapping[str, Any]) -> Json:

@@ -39,7 +39,13 @@ CLOSING = may_fail_with(*_REQUEST, *_PIN)
 DRAWING_BACK = may_fail_with(ErrorCode.CASE_UNKNOWN, ErrorCode.IMAGE_NOT_REGISTERED, *_TARGET, *_VISION)
 AIMING = may_fail_with(*_REQUEST, *_LEASE, ErrorCode.PLANNED_TARGET_UNKNOWN, *_TARGET, *_VISION)
 PLANNING = may_fail_with(
-    *_REQUEST, *_LEASE, ErrorCode.ARM_UNKNOWN, ErrorCode.EXPOSURE_POSE_UNKNOWN, ErrorCode.DEVICE_UNKNOWN, *_PATH
+    *_REQUEST,
+    *_LEASE,
+    ErrorCode.ARM_UNKNOWN,
+    ErrorCode.NUDGE_TOO_SHORT,
+    ErrorCode.EXPOSURE_POSE_UNKNOWN,
+    ErrorCode.DEVICE_UNKNOWN,
+    *_PATH,
 )
 APPROVING = may_fail_with(*_REQUEST, *_LEASE, *_PIN)
 ANGLES = may_fail_with(ErrorCode.CASE_UNKNOWN, ErrorCode.PLANNED_TARGET_UNKNOWN, *_VISION)

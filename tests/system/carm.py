@@ -36,6 +36,7 @@ class CArm:
         self._worklist = Worklist.of(patient_id, "Doe^Jane", study_uid)
         self._exposures = 0
         self.patient_mm = np.array([0.0, 0.0, 590.0])  # place in the source frame
+        self.shape = GuideShape()
 
     def expose(self, source_from_guide: np.ndarray, **elements: object) -> int | None:
         """Send an image of the guide; the status of the C-STORE. `elements` replace those of the data set."""
@@ -70,7 +71,7 @@ class CArm:
 
     def _frame(self, source_from_guide: np.ndarray) -> Frame:
         at = self._now()
-        guides = (PlacedGuide(GuideShape(), source_from_guide),)
+        guides = (PlacedGuide(self.shape, source_from_guide),)
         patient = np.eye(4)
         patient[:3, 3] = self.patient_mm
         scene = Scene(

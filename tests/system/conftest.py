@@ -65,15 +65,13 @@ def controller() -> Iterator[ControllerProcess]:
 
 
 @pytest.fixture(scope="module")
-def start_service(
-    tmp_path_factory: pytest.TempPathFactory, databases: Databases
-) -> Iterator[Callable[[str | None], Service]]:
+def start_service(tmp_path_factory: pytest.TempPathFactory, databases: Databases) -> Iterator[Callable[..., Service]]:
     """Services on fresh data folders with one user of each role; none is left running."""
     with ExitStack() as stack:
 
-        def start(arm_address: str | None) -> Service:
+        def start(arm_address: str | None, **more: str) -> Service:
             folder = tmp_path_factory.mktemp("data")
-            service = Service(folder, arm_address, stack.enter_context(databases.migrated(folder)))
+            service = Service(folder, arm_address, stack.enter_context(databases.migrated(folder)), more)
             add_users(service.database_url)
             service.start()
             stack.callback(_end, service)
@@ -97,7 +95,7 @@ def add_users(database_url: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def service(start_service: Callable[[str | None], Service], controller: ControllerProcess) -> Service:
+def service(start_service: Callable[..., Service], controller: ControllerProcess) -> Service:
     """A service with an arm."""
     return start_service(controller.address)
 

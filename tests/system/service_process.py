@@ -21,6 +21,7 @@ class Service:
     folder: Path
     arm_address: str | None
     database_url: str
+    more: dict[str, str] = field(default_factory=dict)  # environment
     process: "subprocess.Popen[str]" = field(init=False)
     url: str = field(init=False)
 
@@ -59,7 +60,7 @@ class Service:
         # the tests bring the guide off its target by displacing it in the image, as a coarse arm would
         coarse = {"COAXIAL_ARM_ACCURACY__POSITION_SD_MM": "2.0"}
         patient = {"COAXIAL_MIN_FREE_BYTES": "0", "COAXIAL_VISION__DEADLINE_S": "90"}
-        return kept | ours | arm | coarse | patient | _SECRETS
+        return kept | ours | arm | coarse | patient | self.more | _SECRETS
 
     def run(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
         """Another `coaxial` command on the same folder."""
