@@ -34,7 +34,17 @@ GREATEST_MEMORY_MB = 150.0  # of one registration above the imports
 LEAST_SPEED_UP = 1.4  # of `coaxial register` by the second core; starting it costs some of it
 SIDE_PX = 1024  # of the images that the limits are about; 8 bits
 SCENES_OF_A_GROUP = 3
-STAGES = ("correct", "find_lattice", "fit", "ring_candidates", "first_views", "solve", "locate_bead", "fit_contour")
+STAGES = (
+    "correct",
+    "find_lattice",
+    "fit",
+    "ring_candidates",
+    "first_views",
+    "solve",
+    "measure",
+    "locate_bead",
+    "fit_contour",
+)
 _DEVICES = Path(__file__).parents[1] / "simulator" / "devices"
 
 

@@ -32,7 +32,8 @@ class Absorption:
 
 def absorption(image: XrayImage) -> Absorption:
     """Absorption of an image and its field: the largest region with beam, its own dark places filled."""
-    values = cv2.log(cv2.max(image.pixels, max(_DARKEST, _DARKEST_STEPS / (2.0**image.bits - 1.0))))
+    values = cv2.max(image.pixels, max(_DARKEST, _DARKEST_STEPS / (2.0**image.bits - 1.0)))
+    cv2.log(values, values)
     np.negative(values, out=values)
     return Absorption(values, _field(image.pixels))
 

@@ -4,6 +4,7 @@ A piece is a few pixels of a wire's length. Its pixels are the wire's shadow, sh
 crosses: other wires, balls, the bead. Every pixel counts once, at its own place, so that nothing is interpolated.
 """
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -145,7 +146,7 @@ def _balls(wires: _Wires, shadows: Shadows) -> Array:
     drawn = np.zeros((wires.window.rows, wires.window.columns))
     if len(shadows.balls_raw):
         profile = ball_profile(shadows.ball_radius_px, shadows.depth, shadows.blur_px)
-        drawn += ball_shadows(wires.window, shadows.balls_raw, distortion, profile)
+        drawn += ball_shadows(wires.window, _near_bands(wires, shadows.balls_raw, profile), distortion, profile)
     if guide.bead is not None:
         place = np.array([guide.bead.position_mm])
         depth_mm = float(view.source_from_guide[2, :3] @ place[0] + view.source_from_guide[2, 3])
@@ -157,13 +158,23 @@ def _balls(wires: _Wires, shadows: Shadows) -> Array:
     return drawn
 
 
+def _near_bands(wires: _Wires, balls_raw: Array, profile: Profile) -> Array:
+    """Those balls (m, 2) whose shadows may reach a band."""
+    window, side = wires.window, 2 * math.ceil(profile.reach_px) + 1
+    bands = np.maximum.reduce(list(wires.masks.values()))
+    reached = cv2.dilate(bands, np.ones((side, side), np.uint8))
+    u, v = (np.rint(balls_raw).astype(np.intp) - (window.left, window.top)).T
+    inside = (u >= 0) & (u < window.columns) & (v >= 0) & (v < window.rows)
+    return np.asarray(balls_raw[inside & (reached[np.where(inside, v, 0), np.where(inside, u, 0)] > 0)])
+
+
 def _band(
     wires: _Wires, wire: Wire, crossing: Array
 ) -> tuple[Array, NDArray[np.intp], Array, tuple[NDArray[np.intp], NDArray[np.intp]]]:
     """One wire's band: middles of its pieces (s,); each pixel's piece (n,), design (n, 10), place in the window."""
-    v, u = np.nonzero(wires.masks[wire])
-    raw = np.column_stack((u + wires.window.left, v + wires.window.top)).astype(np.float64)
-    corrected = wires.plate.map.corrected_from_raw(raw)
+    found = cv2.findNonZero(wires.masks[wire])
+    u, v = np.asarray(found if found is not None else np.zeros((0, 1, 2)), dtype=np.intp)[:, 0].T
+    corrected = wires.plate.map.corrected_from_raw(np.column_stack((u + wires.window.left, v + wires.window.top)))
     at = feet(wires.view, wires.guide, wire, corrected)
     reach_px = _REACH * wires.width_px[wire]
     middles, piece, from_middle = _divided(wires, wire, at.along, float(np.median(at.speed_px)))

@@ -45,6 +45,29 @@ class Crossing:
     balls: Array
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Patch:
+    """Corrected pixels on a grid: u of its columns (w,) and v of its rows (h,)."""
+
+    u: Array
+    v: Array
+
+    @property
+    def pixels(self) -> Array:
+        """All of them (h w, 2), row by row."""
+        return np.column_stack([axis.ravel() for axis in np.meshgrid(self.u, self.v)])
+
+    def shadows(self, centres: Array, radius_px: float, blur_px: float) -> Array:
+        """Balls' shadows (s, h w) about centres (s, 2), 1 there: chords, their rims softened by the image's blur."""
+        reach_px = math.hypot(radius_px, blur_px)
+        across, down = (
+            ((axis - centre[:, None]) / reach_px) ** 2 for axis, centre in zip((self.u, self.v), centres.T, strict=True)
+        )
+        depth = 1.0 - (down[:, :, None] + across[:, None, :])
+        np.sqrt(np.maximum(depth, 0.0, out=depth), out=depth)
+        return np.asarray(depth.reshape(len(centres), -1), dtype=np.float64)
+
+
 def locate_bead(
     view: View, bead: Bead, wire_amplitude_per_mm: float, reader: ProfileReader, crossing: Crossing
 ) -> BeadEvidence | Refusal:
@@ -105,18 +128,18 @@ def _evidence(
     radius_px = view.intrinsics.alpha_x_px * bead.diameter_mm / 2.0 / depth_mm
     reach = math.ceil(_PATCH * radius_px + _SEARCH_PX)
     steps = np.arange(-reach, reach + 1.0)
-    grid = np.column_stack([axis.ravel() for axis in np.meshgrid(steps, steps)]) + predicted
-    values, ground = reader.values_at(grid), _ground(grid, reader, crossing)
+    patch = _Patch(predicted[0] + steps, predicted[1] + steps)
+    values, ground = reader.values_at(patch.pixels), _ground(patch, reader, crossing)
     left, held = values - ground @ (ground.T @ values), math.inf
     without, centre, amplitude = float(left @ left), predicted, 0.0
     for spacing_px in (1.0, 0.3, 0.1):
         reach_steps = _SEARCH_PX / spacing_px if spacing_px == 1.0 else 3.0
         offsets = np.arange(-reach_steps, reach_steps + 1.0) * spacing_px
         shifts = np.column_stack([axis.ravel() for axis in np.meshgrid(offsets, offsets)]) + centre
-        shadows = _shadow(grid - shifts[:, None], radius_px, reader.crest_sd_px)
+        shadows = patch.shadows(shifts, radius_px, reader.crest_sd_px)
         shadows -= (shadows @ ground) @ ground.T
         # least squares of one column beside the ground's: what it takes away, and by how much of it
-        match, size = shadows @ left, np.maximum((shadows**2).sum(axis=1), 1e-12)
+        match, size = shadows @ left, np.maximum(np.einsum("sp,sp->s", shadows, shadows), 1e-12)
         remaining = np.where(match > 0.0, without - match**2 / size, math.inf)
         best = int(np.argmin(remaining))
         if remaining[best] < held:
@@ -126,22 +149,18 @@ def _evidence(
     return BeadEvidence(centre, amplitude / expected, 1.0 - share, log_ratio)
 
 
-def _ground(grid: Array, reader: ProfileReader, crossing: Crossing) -> Array:
+def _ground(patch: _Patch, reader: ProfileReader, crossing: Crossing) -> Array:
     """Orthonormal columns of what may be there besides the bead: a sloping ground, wires, balls."""
-    centred = grid - grid.mean(axis=0)
+    grid = patch.pixels
+    middle = grid.mean(axis=0)
+    centred = grid - middle
+    half_side_px = float(np.abs(centred).max())
     columns = [np.ones(len(grid)), centred[:, 0], centred[:, 1]]
-    near = crossing.wires[np.linalg.norm(crossing.wires - grid.mean(axis=0), axis=1) < 2.0 * np.abs(centred).max()]
+    near = crossing.wires[((crossing.wires - middle) ** 2).sum(axis=1) < (2.0 * half_side_px) ** 2]
     if len(near):
         distance, _ = KDTree(near).query(grid)
         columns.append(np.exp(-(distance**2) / (2.0 * reader.crest_sd_px**2)))
-    for u, v, radius_px in crossing.balls:
-        if np.abs((u, v) - grid.mean(axis=0)).max() < np.abs(centred).max() + radius_px:
-            columns.append(_shadow(grid - (u, v), radius_px, reader.crest_sd_px))
+    balls = crossing.balls[np.abs(crossing.balls[:, :2] - middle).max(axis=1) < half_side_px + crossing.balls[:, 2]]
+    columns += [patch.shadows(ball[None, :2], ball[2], reader.crest_sd_px)[0] for ball in balls]
     directions, sizes, _ = np.linalg.svd(np.column_stack(columns), full_matrices=False)
     return np.asarray(directions[:, sizes > _LEAST_SIZE * sizes[0]], dtype=np.float64)
-
-
-def _shadow(offset: Array, radius_px: float, blur_px: float) -> Array:
-    """A ball's shadow, 1 at its centre: the chord through a sphere, its rim softened by the image's blur."""
-    share = np.linalg.norm(offset, axis=-1) / math.hypot(radius_px, blur_px)
-    return np.asarray(np.sqrt(np.clip(1.0 - share**2, 0.0, None)), dtype=np.float64)

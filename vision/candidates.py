@@ -66,7 +66,7 @@ def find_candidates(image: CorrectedImage, guide: Guide, carm: CArm, priors: Pri
 def _pairs(rings: list[RingCandidate], guide: Guide, priors: Priors) -> list[RingView] | Refusal:
     if not rings:
         return Refusal(RefusalCode.NO_GUIDE_FOUND, "rings of the guide's size found", 0, 2)
-    pairs = consistent_pairs(rings, guide, priors.nominal)[:_MOST_PAIRS]
+    pairs = consistent_pairs(rings, guide, priors.nominal, _MOST_PAIRS)
     if not pairs:
         message = "no two of the rings found belong to one guide: consistent pairs"
         return Refusal(RefusalCode.RING_MISSING, message, 0, 1)

@@ -15,15 +15,15 @@ from vision.distortion import DistortionMap, PlateFit
 from vision.priors import Priors
 from vision.projection import View
 from vision.strain import Strain, strain
-from vision.view_fit import Observations, design, residual_px, solve_view
-from vision.wire_noise import SHARED_OVER, Whitening, WireNoise, nearness
+from vision.view_fit import Observations, Places, solve_view
+from vision.wire_noise import SHARED_OVER, Neighbours, PlaceCovariance, WireNoise
 
 Array = NDArray[np.float64]
 
 _TUKEY = 4.685  # standard deviations beyond which an observation has no weight; 95 % efficient on clean data
 _LEAST_WEIGHT = 1e-6  # so that a place without weight keeps a finite variance
 _FIRST_NOISE = WireNoise(own_px=0.3, shared_px=0.0)
-_REWEIGHTINGS = 4
+_REWEIGHTINGS, _ROUGH_REWEIGHTINGS = 4, 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,8 +40,6 @@ class ContourFit:
         (n,) robust weight, 0 to 1.
     noise_px : float
         Robust standard deviation of one place.
-    correlation : float
-        Factor of a mean's variance that neighbours' common error makes.
     pulls_sd : dict[str, float]
         Of each prior, in its standard deviations.
     strain : Strain
@@ -57,7 +55,6 @@ class ContourFit:
     residual_px: Array
     weight: Array
     noise_px: float
-    correlation: float
     pulls_sd: dict[str, float]
     strain: Strain
     covariance: Array
@@ -83,66 +80,89 @@ def fit_contour(view: View, guide: Guide, observations: Observations, priors: Pr
     ContourFit
         With covariance; nothing here is judged.
     """
-    width_px = guide.wire_diameter_mm * view.intrinsics.alpha_x_px / float(view.source_from_guide[2, 3])
-    near = nearness(observations.wire, observations.measured, SHARED_OVER * width_px)
-    bend = _Bend.of(observations, plate)
-    weight, noise, residual = np.ones(len(observations.along)), _FIRST_NOISE, np.zeros(len(observations.along))
-    for _ in range(_REWEIGHTINGS):
-        whitened = Whitening.of(_covariance(observations, noise, near, weight) + bend.covariance)
-        view, guide = solve_view(view, guide, observations, priors, whitened)
-        residual = residual_px(view, guide, observations)
-        residual = residual - bend.covariance @ whitened.solved(residual)
-        noise = WireNoise.measured(residual, observations.sd_px, weight > 0.0, near)
-        weight = np.clip(1.0 - residual**2 / (_TUKEY**2 * noise.variance(observations.sd_px)), 0.0, None) ** 2
-    places = _covariance(observations, noise, near, weight)
-    whitened = Whitening.of(places + bend.covariance)
-    jacobian = design(view, guide, observations, priors, whitened)
-    inverse = np.asarray(np.linalg.inv(jacobian.T @ jacobian), dtype=np.float64)
-    pulls_sd, seen = priors.pulls(view, guide), weight > 0.0
+    places, bend = Places.of(observations), _Bend.of(observations, plate)
+    found = _reweighted(view, guide, places, priors, bend, _REWEIGHTINGS)
+    view, guide, covariance = found.view, found.guide, found.covariance
+    inverse = np.asarray(np.linalg.inv(places.information(view, guide, priors, covariance)), dtype=np.float64)
+    pulls_sd = priors.pulls(view, guide)
     return ContourFit(
         view=view,
         guide=guide,
-        residual_px=residual,
-        weight=weight,
-        noise_px=float(np.sqrt(np.median(noise.variance(observations.sd_px)))),
-        correlation=float((noise.covariance(observations.sd_px, near)[np.ix_(seen, seen)]).sum(axis=1).mean())
-        / float(noise.variance(observations.sd_px)[seen].mean()),
+        residual_px=found.residual_px,
+        weight=found.weight,
+        noise_px=float(np.sqrt(np.median(found.noise.variance(observations.sd_px)))),
         pulls_sd=pulls_sd,
         strain=strain(pulls_sd, priors.rows(), inverse),
         covariance=inverse,
-        map=bend.corrected(plate.map, whitened.solved(residual_px(view, guide, observations))),
+        map=bend.corrected(plate.map, places.residual_px(view, guide), covariance),
     )
+
+
+def fit_roughly(view: View, guide: Guide, observations: Observations, priors: Priors) -> tuple[View, Guide]:
+    """The view to some tenths of a pixel, from some pixels away: as `fit_contour` does, the map taken for exact."""
+    places, nothing = Places.of(observations), np.zeros((len(observations.along), 0))
+    found = _reweighted(view, guide, places, priors, _Bend(nothing.T, nothing), _ROUGH_REWEIGHTINGS)
+    return found.view, found.guide
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Reweighted:
+    """A view, what it leaves of the places (n,), px, their weights (n,), their noise and their covariance by these."""
+
+    view: View
+    guide: Guide
+    residual_px: Array
+    weight: Array
+    noise: WireNoise
+    covariance: PlaceCovariance
+
+
+def _reweighted(
+    view: View, guide: Guide, places: Places, priors: Priors, bend: "_Bend", reweightings: int
+) -> _Reweighted:
+    """Solutions in turn with what they tell of each place's worth."""
+    observations = places.observations
+    width_px = guide.wire_diameter_mm * view.intrinsics.alpha_x_px / float(view.source_from_guide[2, 3])
+    neighbours = Neighbours.of(observations.wire, observations.measured, SHARED_OVER * width_px)
+    sd_px, weight, residual = observations.sd_px, np.ones(len(observations.along)), np.zeros(len(observations.along))
+    noise = _FIRST_NOISE
+    covariance = PlaceCovariance.of(noise, sd_px, neighbours, weight, bend.root)
+    for _ in range(reweightings):
+        view, guide = solve_view(view, guide, places, priors, covariance)
+        residual = bend.corrected_residual(places.residual_px(view, guide), covariance)
+        noise = WireNoise.measured(residual, sd_px, weight > 0.0, neighbours)
+        weight = np.clip(1.0 - residual**2 / (_TUKEY**2 * noise.variance(sd_px)), 0.0, None) ** 2
+        covariance = PlaceCovariance.of(noise, sd_px, neighbours, np.maximum(weight, _LEAST_WEIGHT), bend.root)
+    return _Reweighted(view, guide, residual, weight, noise, covariance)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Bend:
-    """The distortion map's error at the places: its effect (n, m) by axis, and its covariance with the coefficients'.
+    """The distortion map's error at the places.
 
     Attributes
     ----------
     by_coefficient : Array
-        (n, 2, m): along the normals, by the coefficients of u and of v, times their covariance.
-    covariance : Array
-        (n, n), px^2, along the normals.
+        (2 m, n): along the normals, by the coefficients of u, then those of v, times their covariance.
+    root : Array
+        (n, 2 m): a root of its covariance along the normals, px.
     """
 
     by_coefficient: Array
-    covariance: Array
+    root: Array
 
     @classmethod
     def of(cls, observations: Observations, plate: PlateFit) -> "_Bend":
         basis = plate.map.basis(plate.map.raw_from_corrected(observations.measured))
-        held = basis @ plate.coefficient_covariance
-        covariance = (observations.normals @ observations.normals.T) * (held @ basis.T)
-        return cls(observations.normals[:, :, None] * held[:, None, :], covariance)
+        along_u, along_v = (observations.normals[:, axis, None] for axis in (0, 1))
+        held, root = basis @ plate.coefficient_covariance, basis @ plate.coefficient_root
+        return cls(np.hstack((along_u * held, along_v * held)).T, np.hstack((along_u * root, along_v * root)))
 
-    def corrected(self, distortion: DistortionMap, strain: Array) -> DistortionMap:
-        """The map without the error that the residuals show; `strain` is the inverse covariance times residuals."""
-        error = np.einsum("nam,n->ma", self.by_coefficient, strain)
-        return replace(distortion, coefficients=distortion.coefficients - error)
+    def corrected_residual(self, residual: Array, covariance: PlaceCovariance) -> Array:
+        """The residuals (n,) without the error that they show."""
+        return np.asarray(residual - self.root @ (self.root.T @ covariance.solved(residual[:, None])[:, 0]))
 
-
-def _covariance(observations: Observations, noise: WireNoise, near: Array, weight: Array) -> Array:
-    """Covariance (n, n) of the places' own errors, px^2, those of little weight taken for noisier."""
-    root = np.sqrt(np.maximum(weight, _LEAST_WEIGHT))
-    return np.asarray(noise.covariance(observations.sd_px, near) / np.outer(root, root))
+    def corrected(self, distortion: DistortionMap, residual: Array, covariance: PlaceCovariance) -> DistortionMap:
+        """The map without the error that the residuals (n,) show."""
+        error = (self.by_coefficient @ covariance.solved(residual[:, None])).reshape(2, -1)
+        return replace(distortion, coefficients=distortion.coefficients - error.T)

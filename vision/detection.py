@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.conics import Ellipse, fit_ellipse
-from vision.ellipse_forms import centres, form_from, gradients, semi_axes
+from vision.ellipse_forms import centres, dot, form_from, gradients, semi_axes
 from vision.ridge_map import RidgeMap
 from vision.wires import Ridge
 
@@ -26,6 +26,8 @@ _NORMALS_WITHIN = 0.95  # cosine of the angle between the ridge's normal and the
 _LEAST_FIRST_SUPPORT = 0.2  # of a triple's own ellipse, which is much less exact than a refitted one
 _ALIKE = 3.0  # spacings in centre and axes, between hypotheses that refine to the same ring
 _SAME = 3.0  # the same, between ellipses that are one
+_COMPARED = 1 << 10  # ellipses that are told apart at a time: mostly the first hold enough
+_AT_ONCE = 1 << 13  # triples tried together: what a processor keeps near it
 _SEED = 20  # of the triples: the same image gives the same registration
 
 
@@ -111,16 +113,22 @@ def _hypotheses(ridge: Ridge, nearest: RidgeMap, axes: AxisRange, triples: int) 
         by_piece[start[piece[first]] + (random.random(triples) * size[piece[first]]).astype(np.intp)] for _ in range(2)
     )
     third[::2] = random.integers(0, count, len(third[::2]))
-    triple = np.column_stack((first, second, third))
-    u, v = ridge.points[:, 0][triple], ridge.points[:, 1][triple]
-    near = (np.ptp(u, axis=1) < 2.0 * axes.greatest_px) & (np.ptp(v, axis=1) < 2.0 * axes.greatest_px)
-    p, n = ridge.points[triple[near]], ridge.normals[triple[near]]
-    centre = centres(p, n)
-    forms, solvable = form_from(centre, p)
-    slope = gradients(forms, p[solvable] - forms[:, None, :2])
-    tangent = np.abs((slope * n[solvable]).sum(axis=2)) > _NORMALS_WITHIN * np.linalg.norm(slope, axis=2)
-    forms = forms[tangent.all(axis=1)]
-    return np.asarray(forms[axes.holds(forms)])
+    points, normals = (np.ascontiguousarray(vectors.T) for vectors in (ridge.points, ridge.normals))
+    some = np.array_split(np.stack((first, second, third)), triples // _AT_ONCE + 1, axis=1)
+    return np.concatenate([_through(points, normals, few, axes) for few in some])
+
+
+def _through(points: Array, normals: Array, triple: NDArray[np.intp], axes: AxisRange) -> Array:
+    """Plausible ellipses (h, 5) through triples (3, k) of ridge points (2, n), by their tangents."""
+    widths_px = (np.ptp(axis[triple], axis=0) for axis in points)
+    triple = triple[:, np.maximum(*widths_px) < 2.0 * axes.greatest_px]
+    p, n = points[:, triple], normals[:, triple]
+    forms = form_from(centres(p, n), p)
+    with np.errstate(invalid="ignore", over="ignore"):
+        slope = gradients(forms, p - forms[:2, None])
+        tangent = (np.abs(dot(slope, n)) > _NORMALS_WITHIN * np.hypot(*slope)).all(axis=0)
+    found = np.ascontiguousarray(forms[:, tangent].T)
+    return np.asarray(found[axes.holds(found)])
 
 
 def _different(forms: Array, support: Array, least: float, alike_px: float, effort: Effort) -> list[int]:
@@ -131,9 +139,20 @@ def _different(forms: Array, support: Array, least: float, alike_px: float, effo
     """
     order = np.argsort(-support, kind="stable")
     order = order[support[order] >= least]
-    measures = np.column_stack((forms[:, :2], *semi_axes(forms)))
+    measures = np.stack((*forms[:, :2].T, *semi_axes(forms)))
     chosen: list[int] = []
-    while len(order) and len(chosen) < effort.refined:
-        chosen.append(int(order[0]))
-        order = order[np.abs(measures[order] - measures[order[0]]).max(axis=1) > alike_px]
+    for start in range(0, len(order), _COMPARED):
+        some = order[start : start + _COMPARED]
+        for one in chosen:
+            some = some[_differ(measures, some, one, alike_px)]
+        while len(some) and len(chosen) < effort.refined:
+            chosen.append(int(some[0]))
+            some = some[_differ(measures, some, chosen[-1], alike_px)]
+        if len(chosen) == effort.refined:
+            break
     return chosen
+
+
+def _differ(measures: Array, some: NDArray[np.intp], one: int, alike_px: float) -> NDArray[np.bool_]:
+    """Which of some ellipses are not like one, by their measures (4, h)."""
+    return np.asarray(np.abs(measures[:, some] - measures[:, one, None]).max(axis=0) > alike_px)

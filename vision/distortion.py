@@ -19,9 +19,10 @@ _NEWTON_ROUNDS = 12
 _SETTLED_PX = 5e-6  # of a round; the next one would move a tenth of it
 _GREATEST_DEGREE = 12  # believed from a file
 _INVERSE_REACH = 1.5  # half sizes of the image from its centre: where inverting is tried at all
-_INVERSE_DEGREE = 9  # its own displacement makes the inverse of a map of degree 7 a little richer
+_INVERSE_DEGREE = 11  # its own displacement makes the inverse of a map of degree 7 richer
 _INVERSE_RINGS, _INVERSE_SPOKES = 12, 24  # places that the inverse is fitted to, in the round field
 _INVERSE_ROUNDS = 4
+_KNOWN = 1e-14  # of the greatest variance: what is left of rounding
 _FOLDED = 0.05  # ratio of the singular values of the map's derivative below which it is no map any more
 
 
@@ -117,8 +118,8 @@ class DistortionMap:
 
     @cached_property
     def _grid(self) -> Array:
-        """The coefficients by their degrees."""
-        return legendre.coefficient_grid(self.coefficients, self.degree)
+        """The displacement by powers."""
+        return legendre.power_grid(self.coefficients, self.degree)
 
     @cached_property
     def _inverse_grid(self) -> Array:
@@ -130,7 +131,7 @@ class DistortionMap:
         corrected = self.corrected_from_raw(raw)
         terms = legendre.terms(self._normalised(corrected), _INVERSE_DEGREE)
         solved = np.linalg.solve(terms.T @ terms, terms.T @ (raw - corrected))
-        return legendre.coefficient_grid(np.asarray(solved, dtype=np.float64), _INVERSE_DEGREE)
+        return legendre.power_grid(np.asarray(solved, dtype=np.float64), _INVERSE_DEGREE)
 
     def to_json(self) -> dict[str, Any]:
         """All that mapping raw to corrected pixels needs, with the balls used and their rms."""
@@ -183,7 +184,7 @@ class FittedBalls:
     kept: NDArray[np.bool_]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)  # without slots: what follows from the fields is kept
 class PlateFit:
     """A map, its uncertainty, and where the plate has balls.
 
@@ -201,6 +202,13 @@ class PlateFit:
     coefficient_covariance: Array
     sites: Array
     balls: FittedBalls
+
+    @cached_property
+    def coefficient_root(self) -> Array:
+        """(m, k): times its transpose it is the coefficients' covariance; nothing where the map is known."""
+        variances, directions = np.linalg.eigh(self.coefficient_covariance)
+        seen = variances > _KNOWN * variances[-1]
+        return np.asarray(directions[:, seen] * np.sqrt(variances[seen]))
 
     def covariance_of(self, points: Array) -> Array:
         """Covariance (n, n), px^2, of one coordinate of the corrected pixels at raw pixels (n, 2)."""

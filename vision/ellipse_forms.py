@@ -16,61 +16,67 @@ def semi_axes(forms: Array) -> tuple[Array, Array]:
         return 1.0 / np.sqrt(mean - spread), 1.0 / np.sqrt(mean + spread)
 
 
+def dot(a: Array, b: Array) -> Array:
+    """Scalar products (...) of plane vectors (2, ...); NumPy's own sum over so short an axis takes longer."""
+    return np.asarray(a[0] * b[0] + a[1] * b[1])
+
+
 def gradients(forms: Array, offsets: Array) -> Array:
-    """Gradients (h, k, 2) of the forms (h, 5) at offsets (h, k, 2) from their centres."""
-    a, b, c = (column[:, None] for column in forms[:, 2:].T)
-    x, y = offsets[:, :, 0], offsets[:, :, 1]
-    return np.stack((2.0 * a * x + b * y, b * x + 2.0 * c * y), axis=2)
+    """Gradients (2, k, h) of the forms (5, h) at offsets (2, k, h) from their centres."""
+    a, b, c = forms[2:]
+    x, y = offsets
+    return np.stack((2.0 * a * x + b * y, b * x + 2.0 * c * y))
 
 
 def around(forms: Array, samples: int) -> tuple[Array, Array]:
-    """Points (h, samples, 2) at even angles about each centre, as offsets from it, and the unit normals there."""
+    """Points (2, h, samples) at even angles about each centre, as offsets from it, and the unit normals there."""
     angle = np.linspace(0.0, 2.0 * np.pi, samples, endpoint=False)
     x, y = np.cos(angle), np.sin(angle)
     a, b, c = (column[:, None] for column in forms[:, 2:].T)
-    radius = 1.0 / np.sqrt(a * x * x + b * x * y + c * y * y)
-    normals = np.stack((2.0 * a * x + b * y, b * x + 2.0 * c * y), axis=2)
-    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
-    return radius[:, :, None] * np.stack((x, y), axis=1), normals
+    along_u, along_v = 2.0 * a * x + b * y, b * x + 2.0 * c * y
+    radius = np.sqrt(2.0 / (along_u * x + along_v * y))
+    return np.stack((radius * x, radius * y)), np.stack((along_u, along_v)) / np.hypot(along_u, along_v)
 
 
 def centres(p: Array, n: Array) -> Array:
-    """Centres (h, 2) from three points (h, 3, 2) with normals (h, 3, 2); not finite where tangents are parallel.
+    """Centres (2, h) from three points (2, 3, h) with normals (2, 3, h); not finite where tangents are parallel.
 
     The line from where two tangents meet through the middle of their points passes the centre.
     """
     lines = []
     for first, second in ((0, 1), (1, 2)):
         a, b = n[:, first], n[:, second]
-        meet = _crossing(a, b, (a * p[:, first]).sum(axis=1), (b * p[:, second]).sum(axis=1))
+        meet = _crossing(a, b, dot(a, p[:, first]), dot(b, p[:, second]))
         middle = (p[:, first] + p[:, second]) / 2.0
-        across = np.column_stack((meet[:, 1] - middle[:, 1], middle[:, 0] - meet[:, 0]))
+        across = np.stack((meet[1] - middle[1], middle[0] - meet[0]))
         with np.errstate(invalid="ignore", over="ignore"):
-            lines.append((across, (across * middle).sum(axis=1)))
+            lines.append((across, dot(across, middle)))
     (a, right_a), (b, right_b) = lines
     return _crossing(a, b, right_a, right_b)
 
 
 def _crossing(a: Array, b: Array, right_a: Array, right_b: Array) -> Array:
-    """Where the lines a . x = right_a and b . x = right_b meet: (h, 2)."""
+    """Where the lines a . x = right_a and b . x = right_b meet: (2, h)."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        determinant = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-        u = (right_a * b[:, 1] - right_b * a[:, 1]) / determinant
-        v = (a[:, 0] * right_b - b[:, 0] * right_a) / determinant
-    return np.column_stack((u, v))
+        determinant = a[0] * b[1] - a[1] * b[0]
+        return np.asarray(np.stack((right_a * b[1] - right_b * a[1], a[0] * right_b - b[0] * right_a)) / determinant)
 
 
-def form_from(centre: Array, p: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Forms (k, 5) about centres (h, 2) through three points (h, 3, 2), and for which of the h there is one."""
+def form_from(centre: Array, p: Array) -> Array:
+    """Forms (5, h) about centres (2, h) through three points (2, 3, h); not finite where there is none."""
     with np.errstate(invalid="ignore", over="ignore"):
-        x, y = np.moveaxis(p - centre[:, None, :], 2, 0)
-        squares = np.stack((x * x, x * y, y * y), axis=2)
+        x, y = p - centre[:, None]
+        squares = np.stack((x * x, x * y, y * y))
         # Cramer's rule: the determinant of each solution's column replaced by ones
-        minors = np.cross(squares[:, [1, 2, 0]], squares[:, [2, 0, 1]])
-        determinant = (squares[:, 0] * minors[:, 0]).sum(axis=1)
-    solvable = np.isfinite(determinant) & (np.abs(determinant) > _LEAST_DETERMINANT)
-    abc = minors[solvable].sum(axis=1) / determinant[solvable, None]
-    return np.column_stack((centre[solvable], abc)), solvable
+        minors = [_cross(squares[:, second], squares[:, third]) for second, third in ((1, 2), (2, 0), (0, 1))]
+        determinant = dot(squares[:2, 0], minors[0][:2]) + squares[2, 0] * minors[0][2]
+        determinant = np.where(np.abs(determinant) > _LEAST_DETERMINANT, determinant, np.nan)
+        return np.concatenate((centre, (minors[0] + minors[1] + minors[2]) / determinant))
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Vector products (3, h) of vectors (3, h)."""
+    return np.stack((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
 
 
 def fitted(forms: Array, points: Array, weight: Array) -> Array:

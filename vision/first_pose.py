@@ -1,5 +1,6 @@
 """A first view of the guide: which two ellipses are its rings, and in which direction its line runs."""
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -54,21 +55,27 @@ class FirstView:
     line_contrast: float
 
 
-def consistent_pairs(candidates: list[RingCandidate], guide: Guide, nominal: Intrinsics) -> list[RingView]:
-    """Views of the pairs of ellipses that can be the guide's rings, the best supported first."""
-    pairs: list[RingView] = []
-    for small, big in _possible_pairs(candidates, guide, nominal):
-        rings = RingPair(small.ellipse, big.ellipse)
-        view = _axis_view(rings, guide, nominal)
-        if view is not None:
-            pairs.append(RingView(rings, (small.support, big.support), view))
-    return sorted(pairs, key=lambda pair: -sum(pair.supports))
+def consistent_pairs(candidates: list[RingCandidate], guide: Guide, nominal: Intrinsics, most: int) -> list[RingView]:
+    """Views of the pairs of ellipses that can be the guide's rings, the best supported first, so many at most."""
+    views = (
+        (small, big, _axis_view(RingPair(small.ellipse, big.ellipse), guide, nominal))
+        for small, big in _possible_pairs(candidates, guide, nominal)
+    )
+    found = (
+        RingView(RingPair(small.ellipse, big.ellipse), (small.support, big.support), view)
+        for small, big, view in views
+        if view is not None
+    )
+    return list(itertools.islice(found, most))
 
 
 def _possible_pairs(
     candidates: list[RingCandidate], guide: Guide, nominal: Intrinsics
 ) -> Iterator[tuple[RingCandidate, RingCandidate]]:
-    """Small and big rings that sizes and the ellipses' centres, which are nearly the rings', do not rule out."""
+    """Small and big rings that sizes and the ellipses' centres, which are nearly the rings', do not rule out.
+
+    The best supported first.
+    """
     major = np.array([candidate.ellipse.semi_axes_px[0] for candidate in candidates])
     centre = np.array([candidate.ellipse.centre_px for candidate in candidates])
     on_plane = (centre - (nominal.u0_px, nominal.v0_px)) / nominal.alpha_x_px
@@ -78,8 +85,10 @@ def _possible_pairs(
     by_size_mm = nominal.alpha_x_px * guide.small_ring_radius_mm / major[:, None]
     possible = (ratio > LEAST_DEPTH_RATIO) & (ratio < GREATEST_DEPTH_RATIO)
     possible &= np.abs(np.log(by_separation_mm / by_size_mm)) < _ROUGH_SCALE_WITHIN
-    for small, big in np.argwhere(possible):
-        yield candidates[small], candidates[big]
+    support = np.array([candidate.support for candidate in candidates])
+    small, big = np.nonzero(possible)
+    for index in np.argsort(-(support[small] + support[big]), kind="stable"):
+        yield candidates[small[index]], candidates[big[index]]
 
 
 def first_views(pair: RingView, guide: Guide, directions: "LineDirections", reader: ProfileReader) -> list[FirstView]:

@@ -13,7 +13,7 @@ from vision.priors import VIEW_PARAMETERS
 from vision.projection import View, project
 from vision.refusal import Refusal, RefusalCode
 from vision.registered import PredictedError
-from vision.uncertainty import aim_error
+from vision.uncertainty import aim_errors
 from vision.view_fit import Observations
 from vision.wire_model import Wire, WireSamples
 
@@ -75,9 +75,8 @@ def check_trust(fit: ContourFit, guide: Guide) -> Refusal | None:
     """
     places = np.column_stack((_AIMS_MM, np.zeros(len(_AIMS_MM))))
     pixels = project(fit.view, places)
-    for name, step in zip(fit.strain.names, fit.strain.freed_steps[:, :VIEW_PARAMETERS], strict=True):
-        errors = [aim_error(fit.view, step, guide, pixel) for pixel in pixels]
-        angle_rad, position_mm = max(angle for angle, _ in errors), max(position for _, position in errors)
+    worst = aim_errors(fit.view, fit.strain.freed_steps[:, :VIEW_PARAMETERS], guide, pixels).max(axis=1)
+    for name, (angle_rad, position_mm) in zip(fit.strain.names, worst.tolist(), strict=True):
         if not angle_rad <= GREATEST_PREDICTED_RAD:
             message = f"the aim hangs on the file's {name}: without it, it turns (deg)"
             limit = math.degrees(GREATEST_PREDICTED_RAD)

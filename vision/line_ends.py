@@ -20,6 +20,7 @@ _STEP_PX = 0.5
 _SEEN_AROUND_PX = 2.5  # of the step: twice the blur's reach
 _STEP_SD = 0.1  # of the line's absorption: what the ground does to a profile
 _PLATEAU_SD = 0.1  # the same, of the heights before and beyond the step
+_LEAST_BLUR_PX = 0.3  # standard deviation of the step's own blur: no detector is sharper
 _LEAST_SD_PX = 0.25  # the blur of a step in intensity moves its half in absorption by 0.15 px; a cut is not square
 _GREATEST_SD_PX = 1.0  # beyond it an end is not seen
 _SAMPLES_IN_ONE = 4.0  # samples half a pixel apart, noise and ground that agree over two
@@ -73,11 +74,16 @@ def measure_line_ends(
 def _free(places: Array, rings: Array, balls: Array, reader: ProfileReader) -> NDArray[np.bool_]:
     """Places (n,) whose whole profile no ring and no ball disturbs."""
     clear_px = reader.reach_px + 2.0 * reader.crest_sd_px
-    free = np.min(np.linalg.norm(places[:, None] - rings[None], axis=2), axis=1) > clear_px
-    if len(balls):
-        distance = np.linalg.norm(places[:, None] - balls[None, :, :2], axis=2)
-        free &= (distance > balls[:, 2] + _BALL_MARGIN * reader.reach_px).all(axis=1)
-    return np.asarray(free)
+    free = ~_is_near(places, rings, np.full(len(rings), clear_px))
+    return np.asarray(free & ~_is_near(places, balls[:, :2], balls[:, 2] + _BALL_MARGIN * reader.reach_px))
+
+
+def _is_near(places: Array, others: Array, within_px: Array) -> NDArray[np.bool_]:
+    """Which places (n, 2) lie nearer to any of the others (m, 2) than it allows (m,)."""
+    low, high = places.min(axis=0), places.max(axis=0)
+    around = ((others > low - within_px[:, None]) & (others < high + within_px[:, None])).all(axis=1)
+    apart = places[:, None] - others[around]
+    return np.asarray(((apart**2).sum(axis=2) <= within_px[around] ** 2).any(axis=1))
 
 
 def _step_fit(x_mm: float, steps: Array, amplitude: Array) -> LineEnd:
@@ -85,14 +91,26 @@ def _step_fit(x_mm: float, steps: Array, amplitude: Array) -> LineEnd:
     inner = float(np.median(amplitude[steps < -2.0]))
     scale = max(abs(inner), 1e-6)
 
+    held = _STEP_SD / _PLATEAU_SD / scale
+
     def excess(parameters: Array) -> Array:
         place, height, ground, width = parameters
-        wave = 0.5 * (1.0 - erf((steps - place) / (math.sqrt(2.0) * max(width, 0.3))))
+        wave = 0.5 * (1.0 - erf((steps - place) / (math.sqrt(2.0) * max(width, _LEAST_BLUR_PX))))
         left = (ground + height * wave - amplitude) / scale
-        held = np.array([(height - inner) / scale, ground / scale]) / _PLATEAU_SD * _STEP_SD
-        return np.asarray(np.concatenate((left, held)))
+        return np.concatenate((left, ((height - inner) * held, ground * held)))
 
-    solved = least_squares(excess, (0.0, inner, 0.0, 1.2), loss="soft_l1", f_scale=_STEP_SD)
+    def slopes(parameters: Array) -> Array:
+        place, height, _, width = parameters
+        blur_px = max(width, _LEAST_BLUR_PX)
+        away = (steps - place) / blur_px
+        crest = height / (math.sqrt(2.0 * math.pi) * blur_px * scale) * np.exp(-(away**2) / 2.0)
+        table = np.zeros((len(steps) + 2, 4))
+        table[:-2, 0], table[:-2, 1] = crest, 0.5 * (1.0 - erf(away / math.sqrt(2.0))) / scale
+        table[:-2, 2], table[:-2, 3] = 1.0 / scale, crest * away * (width > _LEAST_BLUR_PX)
+        table[-2, 1] = table[-1, 2] = held
+        return table
+
+    solved = least_squares(excess, (0.0, inner, 0.0, 1.2), slopes, loss="soft_l1", f_scale=_STEP_SD)
     left = excess(solved.x)[:-2]
     by_place = float(np.linalg.pinv(solved.jac.T @ solved.jac)[0, 0])
     sd_px = math.sqrt(_LEAST_SD_PX**2 + by_place * _SAMPLES_IN_ONE * float(np.mean(left**2)))

@@ -29,7 +29,8 @@ _FARTHEST_PIECE = 0.3  # the same for a piece, whose shadow is shifted to the fi
 _BALL_MARGIN = 0.8  # of the profile's reach, kept free around a ball
 _LEAST_SHARE = 0.08  # of the wires' places: fewer cannot hold 13 parameters against clutter
 _AROUND = 12  # places around each ring, to see whether a view is in the image at all
-_LEAST_IN_IMAGE = 0.5  # of them; a view that is nearly right has all
+_LEAST_IN_IMAGE = 0.6  # of them; a view that is nearly right has all
+_WIDEST = 3.0  # width of a wire's shadow in reaches of a profile: nearer to the source no guide is looked for
 _EVERY = 6  # px along the wires between profiles of the rough measurement
 
 
@@ -75,7 +76,7 @@ class Measured:
     amplitude: float
 
 
-def find(view: View, guide: Guide, scene: Scene, ends: list[LineEnd]) -> Measured | Refusal:
+def find(view: View, guide: Guide, scene: Scene) -> Measured | Refusal:
     """Roughly, from some pixels away: profiles here and there along the wires where nothing crosses them.
 
     Parameters
@@ -84,8 +85,6 @@ def find(view: View, guide: Guide, scene: Scene, ends: list[LineEnd]) -> Measure
         The present estimate, within some pixels.
     scene : Scene
         The image's reader and balls.
-    ends
-        Line ends measured before, if any.
 
     Returns
     -------
@@ -103,7 +102,7 @@ def find(view: View, guide: Guide, scene: Scene, ends: list[LineEnd]) -> Measure
     nil = np.zeros_like(profiles.offset_px)
     offsets = Offsets(profiles.offset_px, nil, profiles.amplitude, profiles.misfit)
     everything = np.ones(len(places.along), dtype=bool)
-    single = _single_points(view, guide, ends, None)
+    single = _single_points(view, guide, [], None)
     return _accepted(places, everything, offsets, _FARTHEST * scene.reader.reach_px, single)
 
 
@@ -140,14 +139,16 @@ def measure(
 def _ran_away(view: View, guide: Guide, scene: Scene) -> Refusal | None:
     """Whether a fit to something else has taken the guide out of the image, where nothing can be measured."""
     turn = np.linspace(0.0, 2.0 * np.pi, _AROUND, endpoint=False)
-    rings = [np.full(_AROUND, ring, dtype=np.intp) for ring in (Wire.SMALL_RING, Wire.BIG_RING)]
-    places = np.vstack([points_in_guide(guide, ring, turn) for ring in rings])
-    in_front = places @ view.source_from_guide[2, :3] + view.source_from_guide[2, 3] > 0.0
-    points = project(view, places[in_front])
-    inside = ((points >= 0.0) & (points < scene.values.shape[::-1])).all(axis=1)
-    share = float(inside.sum()) / len(places)
+    nearest_mm = guide.wire_diameter_mm * view.intrinsics.alpha_x_px / (_WIDEST * scene.reader.reach_px)
+    shares = []
+    for ring in (Wire.SMALL_RING, Wire.BIG_RING):
+        places = points_in_guide(guide, np.full(_AROUND, ring, dtype=np.intp), turn)
+        in_front = places @ view.source_from_guide[2, :3] + view.source_from_guide[2, 3] > nearest_mm
+        points = project(view, places[in_front])
+        shares.append(float(((points >= 0.0) & (points < scene.values.shape[::-1])).all(axis=1).sum()) / _AROUND)
+    share = min(shares)
     if share < _LEAST_IN_IMAGE:
-        message = "share of the guide's rings inside the image"
+        message = "share of a ring of the guide inside the image"
         return Refusal(RefusalCode.GUIDE_CUT_OFF, message, share, _LEAST_IN_IMAGE)
     return None
 

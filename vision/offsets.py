@@ -47,41 +47,64 @@ def measure_offsets(pieces: Pieces, expected: float, blur_px: float) -> Offsets:
     blur_px : float
         Standard deviation of the detector's blur.
     """
-    weighted = pieces.design * pieces.weight[:, :, None]
-    normal = weighted.transpose(0, 2, 1) @ pieces.design
-    wanted = (weighted.transpose(0, 2, 1) @ pieces.values[:, :, None])[:, :, 0]
-    pixels = np.maximum((pieces.weight > 0.0).sum(axis=1), 1)
-    held = normal + np.diag(_ROUNDING * normal.trace(axis1=1, axis2=2).max() * np.ones(normal.shape[1]))
-    solved, noise = _solved(pieces, held, wanted, pixels)
-    usual = float(np.median(noise))
+    sums = _Sums.of(pieces)
+    held = sums.normal + np.diag(_ROUNDING * sums.normal.trace(axis1=1, axis2=2).max() * np.ones(sums.normal.shape[1]))
+    first = np.asarray(np.linalg.solve(held, sums.wanted[:, :, None])[:, :, 0], dtype=np.float64)
+    usual = float(np.median(sums.noise(first)))
     held[:, [8, 9], [8, 9]] += usual / (_CROSSING_SD * expected) ** 2
-    solved, noise = _solved(pieces, held, wanted, pixels)
-    usual = float(np.median(noise))
+    inverse = np.asarray(np.linalg.inv(held), dtype=np.float64)
+    solved = (inverse @ sums.wanted[:, :, None])[:, :, 0]
+    usual = float(np.median(sums.noise(solved)))
     ground = np.arange(GROUND.start + 1, GROUND.stop)
     spread = (_ROBUST * np.median(np.abs(solved[:, ground]), axis=0)) ** 2
-    by_noise = usual * np.median(np.diagonal(np.linalg.inv(held), axis1=1, axis2=2)[:, ground], axis=0)
+    by_noise = usual * np.median(np.diagonal(inverse, axis1=1, axis2=2)[:, ground], axis=0)
     held[:, ground, ground] += usual / np.maximum(spread - by_noise, _LEAST_VARIANCE)
-    solved, noise = _solved(pieces, held, wanted, pixels)
-    noise = (noise * pixels + np.median(noise) * _USUAL_PIXELS) / (pixels + _USUAL_PIXELS)
-    return _offsets(pieces, held, solved, noise, blur_px)
+    inverse = np.asarray(np.linalg.inv(held), dtype=np.float64)
+    solved = (inverse @ sums.wanted[:, :, None])[:, :, 0]
+    noise = sums.noise(solved)
+    noise = (noise * sums.pixels + np.median(noise) * _USUAL_PIXELS) / (sums.pixels + _USUAL_PIXELS)
+    return _offsets(pieces, inverse, solved, noise, blur_px)
 
 
-def _solved(pieces: Pieces, normal: Array, wanted: Array, pixels: NDArray[np.intp]) -> tuple[Array, Array]:
-    """Unknowns (s, 10) and the noise's variance (s,) at a pixel of weight 1."""
-    solved = np.asarray(np.linalg.solve(normal, wanted[:, :, None]), dtype=np.float64)
-    left = pieces.values - (pieces.design @ solved)[:, :, 0]
-    free = np.maximum(pixels - normal.shape[1], 1)
-    return solved[:, :, 0], (pieces.weight * left**2).sum(axis=1) / free
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sums:
+    """What least squares needs of the pieces' pixels.
+
+    Attributes
+    ----------
+    normal, wanted : Array
+        (s, 10, 10) and (s, 10): weighted sums of the design's products with itself and with the values.
+    energy, pixels : Array
+        (s,) each: weighted sum of the values' squares; number of pixels.
+    """
+
+    normal: Array
+    wanted: Array
+    energy: Array
+    pixels: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, pieces: Pieces) -> "_Sums":
+        weighted = (pieces.design * pieces.weight[:, :, None]).transpose(0, 2, 1)
+        wanted = (weighted @ pieces.values[:, :, None])[:, :, 0]
+        energy = (pieces.weight * pieces.values**2).sum(axis=1)
+        return cls(weighted @ pieces.design, wanted, energy, np.maximum((pieces.weight > 0.0).sum(axis=1), 1))
+
+    def noise(self, solved: Array) -> Array:
+        """Variance (s,) at a pixel of weight 1 that unknowns (s, 10) leave."""
+        modelled = (self.normal @ solved[:, :, None])[:, :, 0]
+        left = self.energy - 2.0 * (solved * self.wanted).sum(axis=1) + (solved * modelled).sum(axis=1)
+        return np.asarray(np.maximum(left, 0.0) / np.maximum(self.pixels - solved.shape[1], 1))
 
 
-def _offsets(pieces: Pieces, normal: Array, solved: Array, noise: Array, blur_px: float) -> Offsets:
+def _offsets(pieces: Pieces, inverse: Array, solved: Array, noise: Array, blur_px: float) -> Offsets:
     amplitude = solved[:, 0]
     measurable = amplitude > 0.0
     safe = np.where(measurable, amplitude, 1.0)
     # the detector blurs intensity: on a slope the wire's shadow moves towards the dense side by slope times variance
     slope_per_px = solved[:, GROUND.start + 1] / pieces.reach_px / DISPLAY_GAMMA
     offset_px = solved[:, 1] / safe - slope_per_px * (blur_px**2 + PIXEL_VARIANCE)
-    variance = noise * np.linalg.inv(normal)[:, 1, 1] / safe**2
+    variance = noise * inverse[:, 1, 1] / safe**2
     left = pieces.values - (pieces.design @ solved[:, :, None])[:, :, 0]
     seen = pieces.weight > 0.0
     misfit = np.sqrt((left**2 * seen).sum(axis=1) / np.maximum(seen.sum(axis=1), 1))

@@ -25,6 +25,8 @@ _USUAL_SPACINGS_MM = (9.0, 15.0, 25.0)  # each with a quarter to either side
 _SPACING_WITHIN = 0.25  # relative, of the lattice's neighbours around the file's scale: distortion and SID
 _STEP_WITHIN = 0.2  # of the spacing: how far a ball may lie from where its neighbours predict it
 _SEED_CANDIDATES = 600
+_MOST_ASKED = 100  # differences that are asked how many are like them: of a lattice's, which are mostly alike
+_ALIKE = 0.3  # of the spacing: neighbours' differences by distortion
 _NEIGHBOURS = np.array([(1, 0), (-1, 0), (0, 1), (0, -1)])
 
 
@@ -137,9 +139,9 @@ def _lattice_steps(strongest: Array, spacing_px: float) -> Array | None:
     turns = np.exp(4j * np.arctan2(differences[near, 1], differences[near, 0])) * lengths[near]
     if len(turns) < LEAST_BALLS // 5:
         return None
-    votes = KDTree(np.column_stack((turns.real, turns.imag)))
-    counts = votes.query_ball_point(votes.data, 0.3 * spacing_px, return_length=True)
-    chosen = turns[votes.query_ball_point(votes.data[int(np.argmax(counts))], 0.3 * spacing_px)]
+    asked = turns[:: len(turns) // _MOST_ASKED + 1]
+    alike = np.abs(turns - asked[:, None]) < _ALIKE * spacing_px
+    chosen = turns[alike[int(np.argmax(alike.sum(axis=1)))]]
     mean = np.mean(chosen)
     angle, length = np.angle(mean) / 4.0, np.mean(np.abs(chosen))
     step = length * np.array([np.cos(angle), np.sin(angle)])

@@ -2,10 +2,11 @@
 
 import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vision import gates
 from vision.candidates import Candidates, find_candidates
@@ -16,10 +17,12 @@ from vision.detection import QUICK, THOROUGH, Effort
 from vision.devices import CArm, Guide
 from vision.first_pose import LEAST_LINE_CONTRAST, FirstView, RingView, first_views
 from vision.measuring import Scene
-from vision.projection import ring_conic
+from vision.projection import View, project, ring_conic
 from vision.refusal import Refusal, RefusalCode
 from vision.solution import Attempt, Round, Solution, solve
 from vision.wire_model import sample_wires
+
+Array = NDArray[np.float64]
 
 _FINAL = frozenset({RefusalCode.MIRRORED, RefusalCode.AMBIGUOUS})  # looking harder changes nothing about these
 _HARDLY_THERE = 0.75  # of a ring's circumference with ridge points; arcs of other things reach 0.6
@@ -56,14 +59,15 @@ def search(image: CorrectedImage, scene: Scene, carm: CArm) -> Search:
     """A quick search; a thorough one where that finds no solution, or a ring that the solution leaves over (H07)."""
     quick = _search(image, scene, carm, QUICK)
     if isinstance(quick.outcome, Refusal):
-        return quick if quick.outcome.code in _FINAL else _search(image, scene, carm, THOROUGH)
+        return quick if quick.outcome.code in _FINAL else _search(image, scene, carm, THOROUGH, quick.passed)
     left_over = [ring.ellipse for ring in quick.candidates.rings if ring.support > _RING_SUPPORT]
     if any(_is_beside((ring,), quick.outcome) for ring in left_over):
-        return _search(image, scene, carm, THOROUGH)
+        return _search(image, scene, carm, THOROUGH, quick.passed)
     return quick
 
 
-def _search(image: CorrectedImage, scene: Scene, carm: CArm, effort: Effort) -> Search:
+def _search(image: CorrectedImage, scene: Scene, carm: CArm, effort: Effort, known: Sequence[Attempt] = ()) -> Search:
+    """One search; a first view that lies on a guide known from another search is not refined to it once more."""
     candidates = find_candidates(image, scene.guide, carm, scene.priors, effort)
     if isinstance(candidates.pairs, Refusal):
         return Search(candidates, [], [], candidates.pairs)
@@ -71,7 +75,7 @@ def _search(image: CorrectedImage, scene: Scene, carm: CArm, effort: Effort) -> 
     for pair in candidates.pairs:
         if not any(_is_remnant(pair, attempt.outcome) for attempt in attempts):
             firsts = first_views(pair, scene.guide, candidates.directions, scene.reader)
-            attempts += [_attempt(first, scene, image) for first in firsts]
+            attempts += [_known(first, known, scene.guide) or _attempt(first, scene, image) for first in firsts]
     passed = _passed(attempts)
     outcome = _only_outcome(passed, attempts)
     if isinstance(outcome, Solution) and _sees_other_guide(candidates.pairs, attempts, outcome):
@@ -83,7 +87,11 @@ def _search(image: CorrectedImage, scene: Scene, carm: CArm, effort: Effort) -> 
 def _sees_other_guide(pairs: list[RingView], attempts: list[Attempt], solution: Solution) -> bool:
     """Whether both rings of another guide are clearly there, found or fitted, whatever became of its line and bead."""
     found = [(pair.rings.small, pair.rings.big) for pair in pairs if min(pair.supports) > _HARDLY_THERE]
-    fitted = [_rings_of(attempt.last.fit) for attempt in attempts if attempt.last and _holds_both_rings(attempt.last)]
+    fitted = [
+        _rings_of(attempt.last.fit.view, attempt.last.fit.guide)
+        for attempt in attempts
+        if attempt.last and _holds_both_rings(attempt.last)
+    ]
     return any(_is_beside(rings, solution) for rings in (*found, *fitted))
 
 
@@ -95,7 +103,7 @@ def _holds_both_rings(fitted: Round) -> bool:
 
 def _is_beside(rings: Iterable[Ellipse], solution: Solution) -> bool:
     """Whether no ring is one of the solution's."""
-    both = itertools.product(rings, _rings_of(solution.fit))
+    both = itertools.product(rings, _rings_of(solution.fit.view, solution.fit.guide))
     return not any(_one_ring(ring, own, _BESIDE_RING) for ring, own in both)
 
 
@@ -103,15 +111,15 @@ def _is_remnant(pair: RingView, outcome: Solution | Refusal) -> bool:
     """Whether a pair is made of one ring of a guide that passed and of another that is hardly there."""
     if isinstance(outcome, Refusal) or min(pair.supports) > _HARDLY_THERE:
         return False
-    both = itertools.product((pair.rings.small, pair.rings.big), _rings_of(outcome.fit))
+    both = itertools.product((pair.rings.small, pair.rings.big), _rings_of(outcome.fit.view, outcome.fit.guide))
     return any(_one_ring(found, ring) for found, ring in both)
 
 
-def _rings_of(fit: ContourFit) -> tuple[Ellipse, ...]:
-    """The ellipses of a fit's rings."""
+def _rings_of(view: View, guide: Guide) -> tuple[Ellipse, ...]:
+    """The ellipses of a guide's rings in a view."""
     conics = (
-        ring_conic(fit.view, fit.guide.small_ring_radius_mm, 0.0),
-        ring_conic(fit.view, fit.guide.big_ring_radius_mm, -fit.guide.separation_mm),
+        ring_conic(view, guide.small_ring_radius_mm, 0.0),
+        ring_conic(view, guide.big_ring_radius_mm, -guide.separation_mm),
     )
     return tuple(ellipse for ellipse in map(ellipse_from_conic, conics) if ellipse is not None)
 
@@ -119,6 +127,28 @@ def _rings_of(fit: ContourFit) -> tuple[Ellipse, ...]:
 def _one_ring(one: Ellipse, other: Ellipse, within: float = _ONE_RING_WITHIN) -> bool:
     apart = np.abs(np.subtract(one.centre_px + one.semi_axes_px, other.centre_px + other.semi_axes_px))
     return bool(apart.max() < within * other.semi_axes_px[0])
+
+
+def _known(first: FirstView, known: Sequence[Attempt], guide: Guide) -> Attempt | None:
+    """The attempt that passed to which a first view would lead again, if any."""
+    return next(
+        (one for one in known if isinstance(one.outcome, Solution) and _lies_on(first.view, guide, one.outcome.fit)),
+        None,
+    )
+
+
+def _lies_on(view: View, guide: Guide, fit: ContourFit) -> bool:
+    """Whether a view's rings and line are those of a fit."""
+    rings, own = _rings_of(view, guide), _rings_of(fit.view, fit.guide)
+    if len(rings) != len(own) or not all(map(_one_ring, rings, own)):
+        return False
+    apart_px = np.abs(_line_ends_px(view, guide) - _line_ends_px(fit.view, fit.guide)).max()
+    return bool(apart_px < _ONE_RING_WITHIN * own[0].semi_axes_px[0])
+
+
+def _line_ends_px(view: View, guide: Guide) -> Array:
+    """Projected ends (2, 2) of the line."""
+    return project(view, np.array([[guide.line_start_mm, 0.0, 0.0], [guide.line_end_mm, 0.0, 0.0]]))
 
 
 def _attempt(first: FirstView, scene: Scene, image: CorrectedImage) -> Attempt:

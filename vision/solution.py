@@ -8,20 +8,22 @@ from numpy.typing import NDArray
 from vision import gates
 from vision.bead import BeadEvidence, Crossing, locate_bead
 from vision.bead_centre import BeadCentre, measure_bead
-from vision.contour import ContourFit, fit_contour
+from vision.contour import ContourFit, fit_contour, fit_roughly
+from vision.devices import Guide
 from vision.first_pose import FirstView
 from vision.line_ends import LineEnd, measure_line_ends
 from vision.measuring import FAINTEST, Measured, Scene, bead_sd_px, find, measure, shadows_in
 from vision.priors import VIEW_PARAMETERS
-from vision.projection import project, projection_jacobian
+from vision.projection import View, project, projection_jacobian
 from vision.refusal import Refusal
-from vision.view_fit import Observations
+from vision.view_fit import Observations, Places
 from vision.wire_model import sample_wires
 from vision.wire_noise import LEAST_NOISE_PX
 
 Array = NDArray[np.float64]
 
-_ROUGH_ROUNDS = 2  # after which a view is within some tenths of a pixel
+_ROUGH_ROUNDS = 2  # at most
+_FAR_PX = 3.0  # from where it was looked for: a wire so far away is looked for once more
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,11 +104,13 @@ def _refined(first: FirstView, scene: Scene) -> Round | Refusal:
     """Rings, line and the line's ends: roughly at first, then all there is to be seen."""
     view, guide, amplitude = first.view, scene.guide, 0.0
     for _ in range(_ROUGH_ROUNDS):
-        found = find(view, guide, scene, [])
+        found = find(view, guide, scene)
         if isinstance(found, Refusal):
             return found
-        fit = fit_contour(view, guide, found.observations, scene.priors, scene.plate)
-        view, guide, amplitude = fit.view, fit.guide, found.amplitude
+        before, amplitude = (view, guide), found.amplitude
+        view, guide = fit_roughly(view, guide, found.observations, scene.priors)
+        if _moved_px(found.observations, before, (view, guide)) < _FAR_PX:
+            break
     ends = measure_line_ends(view, guide, scene.reader, sample_wires(view, guide), scene.balls)
     measured = measure(view, guide, scene, amplitude, ends, None)
     if isinstance(measured, Refusal):
@@ -117,6 +121,12 @@ def _refined(first: FirstView, scene: Scene) -> Round | Refusal:
         measured,
         measure_line_ends(fit.view, fit.guide, scene.reader, sample_wires(fit.view, fit.guide), scene.balls),
     )
+
+
+def _moved_px(observations: Observations, before: tuple[View, Guide], after: tuple[View, Guide]) -> float:
+    """How far the farthest place on a wire has moved across it."""
+    places = Places.of(observations)
+    return float(np.abs(places.residual_px(*before) - places.residual_px(*after)).max())
 
 
 def _judged_before_bead(last: Round) -> Refusal | None:

@@ -81,16 +81,21 @@ def aim_covariance(
     return np.asarray(spread)
 
 
-def aim_error(
-    view: View, step: Array, guide: Guide, pixel_corrected: Array, depth_mm: float = DEFAULT_DEPTH_MM
-) -> tuple[float, float]:
-    """How wrong the aim by `view` would be, were a view a step away the truth: angle in rad, distance in mm.
+def aim_errors(view: View, steps: Array, guide: Guide, pixels: Array, depth_mm: float = DEFAULT_DEPTH_MM) -> Array:
+    """How wrong aims by `view` would be, were views some steps away the truth.
 
-    The step (10,) is parametrised as in `Registration.covariance`; the other arguments are those of `predicted_error`.
+    The steps (k, 10) are parametrised as in `Registration.covariance`, pixels (n, 2) are corrected; the other arguments
+    are those of `predicted_error`. Of each step and pixel the angle in rad and the distance in mm: (k, n, 2).
     """
-    guide_from_goal, _ = goal(view, pixel_corrected)
-    errors = _error_vectors(moved_view(view, step), guide, pixel_corrected, depth_mm, guide_from_goal)
-    return float(np.linalg.norm(errors[:3])), float(np.linalg.norm(errors[3:]))
+    goals = [goal(view, pixel)[0] for pixel in pixels]
+    truths = [moved_view(view, step) for step in steps]
+    errors = np.array(
+        [
+            [_error_vectors(truth, guide, pixel, depth_mm, aim) for pixel, aim in zip(pixels, goals, strict=True)]
+            for truth in truths
+        ]
+    )
+    return np.asarray(np.linalg.norm(errors.reshape(*errors.shape[:2], 2, 3), axis=3))
 
 
 def radius_95(covariance: Array) -> float:

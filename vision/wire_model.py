@@ -148,14 +148,42 @@ def feet(view: View, guide: Guide, wire: Wire, points: Array) -> Feet:
     """
     pose, z_mm = view.source_from_guide, -guide.separation_mm if wire is Wire.BIG_RING else 0.0
     image_from_plane = view.intrinsics.matrix() @ np.column_stack((pose[:3, :2], pose[:3, 2] * z_mm + pose[:3, 3]))
-    in_plane = np.column_stack((points, np.ones(len(points)))) @ np.linalg.inv(image_from_plane).T
-    x, y = in_plane[:, 0] / in_plane[:, 2], in_plane[:, 1] / in_plane[:, 2]
-    along = x if wire is Wire.LINE else np.arctan2(y, x)
-    near, tangents = curve(view, guide, wire, along)
-    along = along + ((points - near) * tangents).sum(axis=1) / (tangents**2).sum(axis=1)
-    near, tangents = curve(view, guide, wire, along)
-    speed_px = np.linalg.norm(tangents, axis=1)
-    return Feet(along, ((points - near) * _across(tangents)).sum(axis=1) / speed_px, speed_px)
+    wanted = np.ascontiguousarray(points.T)
+    plane_from_image = np.linalg.inv(image_from_plane)
+    in_plane = plane_from_image[:, :2] @ wanted + plane_from_image[:, 2:]
+    place, way = np.ones_like(in_plane), np.zeros_like(in_plane)
+    place[:2] = in_plane[:2] / in_plane[2]
+    if wire is Wire.LINE:
+        along, place[1], way[0] = place[0].copy(), 0.0, 1.0
+    else:
+        radius_mm = guide.small_ring_radius_mm if wire is Wire.SMALL_RING else guide.big_ring_radius_mm
+        along = np.arctan2(place[1], place[0])
+        place[:2] *= radius_mm / np.hypot(place[0], place[1])
+        way[0], way[1] = -place[1], place[0]
+    near, tangents = _imaged(image_from_plane, place, way)
+    step = ((wanted - near) * tangents).sum(axis=0) / (tangents**2).sum(axis=0)
+    if wire is Wire.LINE:
+        place[0] += step
+    else:
+        place[:2], way[:2] = _turned(place[:2], way[:2], step)
+    near, tangents = _imaged(image_from_plane, place, way)
+    speed_px = np.hypot(tangents[0], tangents[1])
+    away = wanted - near
+    return Feet(along + step, (away[1] * tangents[0] - away[0] * tangents[1]) / speed_px, speed_px)
+
+
+def _imaged(image_from_plane: Array, place: Array, way: Array) -> tuple[Array, Array]:
+    """Corrected pixels (2, n) of places (3, n) in a plane, and their derivatives (2, n) along the ways (3, n)."""
+    seen, moves = image_from_plane @ place, image_from_plane @ way
+    near = seen[:2] / seen[2]
+    return near, (moves[:2] - near * moves[2]) / seen[2]
+
+
+def _turned(place: Array, way: Array, angle_rad: Array) -> tuple[Array, Array]:
+    """Places on a circle (2, n) and the ways along it (2, n) after small turns (n,), to the fourth order."""
+    square = angle_rad**2
+    cosine, sine = 1.0 - square / 2.0, angle_rad * (1.0 - square / 6.0)
+    return place * cosine + way * sine, way * cosine - place * sine
 
 
 def _across(tangents: Array) -> Array:

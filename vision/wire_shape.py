@@ -49,14 +49,18 @@ def wire_profile(radius_px: float, depth: float, blur_px: float) -> Profile:
         Standard deviation of the detector's blur.
     """
     x = _axis(radius_px, blur_px)
-    return _table(x, _blurred(np.exp(-depth * _chord(x, radius_px))[None], blur_px)[0])
+    return _table(x, _blurred(np.exp(-depth * _chord(x, radius_px)), blur_px))
 
 
 def ball_profile(radius_px: float, depth: float, blur_px: float) -> Profile:
     """The profile from the middle of a ball outwards; arguments as of `wire_profile`."""
-    x = _axis(radius_px, blur_px)
-    passed = np.exp(-depth * _chord(np.hypot(x[:, None], x[None, :]), radius_px))
-    return _table(x, _blurred(passed, blur_px)[len(x) // 2])
+    x, kernel = _axis(radius_px, blur_px), _kernel(blur_px)
+    # of the blur across, only the row through the ball's middle is wanted; a quarter of the ball tells all
+    across, down = x[len(x) // 2 :, None], np.arange(len(kernel) // 2 + 1) / _FINENESS
+    passed = np.exp(-depth * _chord(np.hypot(across, down), radius_px))
+    weights = kernel[len(kernel) // 2 :] * np.where(down > 0.0, 2.0, 1.0)
+    row = passed @ weights
+    return _table(x, _blurred(np.concatenate((row[:0:-1], row)), blur_px))
 
 
 def _axis(radius_px: float, blur_px: float) -> Array:
@@ -70,8 +74,15 @@ def _chord(distance_px: Array, radius_px: float) -> Array:
 
 
 def _blurred(passed: Array, blur_px: float) -> Array:
+    """Intensities (n,) on the axis as the detector blurs them, beyond their ends what is there."""
+    kernel = _kernel(blur_px)
+    return np.convolve(np.pad(passed, len(kernel) // 2, mode="edge"), kernel, mode="valid")
+
+
+def _kernel(blur_px: float) -> Array:
+    """Weights of the blur, an odd number of them."""
     sigma = math.sqrt(blur_px**2 + PIXEL_VARIANCE) * _FINENESS
-    return np.asarray(cv2.GaussianBlur(passed, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE), dtype=np.float64)
+    return np.asarray(cv2.getGaussianKernel(2 * round(_BLUR_REACH * sigma) + 1, sigma)[:, 0], dtype=np.float64)
 
 
 def _table(x: Array, passed: Array) -> Profile:

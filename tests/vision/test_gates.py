@@ -35,7 +35,6 @@ def fit(guide: Guide) -> ContourFit:
         residual_px=np.zeros(184),
         weight=np.ones(184),
         noise_px=0.1,
-        correlation=3.0,
         pulls_sd=dict.fromkeys(PULLS, 0.0),
         strain=Strain(PULLS, np.zeros(7), 0.0, 7, np.zeros((7, 13))),
         covariance=np.eye(13),

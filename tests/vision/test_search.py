@@ -1,5 +1,6 @@
 """A search through an image in which a candidate goes wrong: refused with a reason, never a failure."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,13 +9,14 @@ from numpy.typing import NDArray
 
 from simulator.carm.drawing import random_scene
 from simulator.carm.quick_render import render_quickly
-from vision import search, view_fit
+from vision import search
+from vision.detection import QUICK
 from vision.devices import CArm, Guide
 from vision.measuring import Scene, find, measure
 from vision.refusal import Refusal, RefusalCode
 from vision.registration import examine
-from vision.solution import solve
-from vision.view_fit import design
+from vision.solution import Solution, solve
+from vision.view_fit import Places
 from vision.xray import XrayImage
 
 
@@ -50,18 +52,60 @@ def test_a_view_that_ran_out_of_the_image_has_nothing_to_be_measured(
     monkeypatch.setattr(search, "solve", lambda first, scene: scenes.append(scene) or solve(first, scene))
     examine(image, guide, flat_panel)
     away = make_view(5.0, translation_mm=translation_mm)
-    for measured in (measure(away, guide, scenes[0], 0.1, [], None), find(away, guide, scenes[0], [])):
+    for measured in (measure(away, guide, scenes[0], 0.1, [], None), find(away, guide, scenes[0])):
         assert isinstance(measured, Refusal)
         assert measured.code is RefusalCode.GUIDE_CUT_OFF
+
+
+def test_a_guide_that_reaches_to_the_source_has_nothing_to_be_measured(
+    image: XrayImage, guide: Guide, flat_panel: CArm, monkeypatch: pytest.MonkeyPatch, make_view: Any
+) -> None:
+    scenes: list[Scene] = []
+    monkeypatch.setattr(search, "solve", lambda first, scene: scenes.append(scene) or solve(first, scene))
+    examine(image, guide, flat_panel)
+    tilt = make_view(5.0).source_from_guide[2, 2]
+    wide = make_view(5.0, translation_mm=(10.0, -5.0, guide.separation_mm * tilt + 1e-5), alpha_px=300.0)
+    measured = measure(wide, guide, scenes[0], 0.1, [], None)
+    assert isinstance(measured, Refusal)
+    assert measured.code is RefusalCode.GUIDE_CUT_OFF
+
+
+def test_a_guide_that_passed_is_not_refined_once_more(
+    image: XrayImage, guide: Guide, flat_panel: CArm, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenes: list[Scene] = []
+    monkeypatch.setattr(search, "solve", lambda first, scene: scenes.append(scene) or solve(first, scene))
+    findings = examine(image, guide, flat_panel)
+    assert findings.search is not None
+    assert findings.corrected is not None
+    refined = len(scenes)
+    again = search._search(findings.corrected, scenes[0], flat_panel, QUICK, findings.search.passed)
+    assert isinstance(again.outcome, Solution)
+    assert again.outcome is findings.search.outcome
+    assert len(scenes) < 2 * refined
+
+
+def test_the_same_rings_with_the_line_elsewhere_are_another_view(
+    image: XrayImage, guide: Guide, flat_panel: CArm
+) -> None:
+    findings = examine(image, guide, flat_panel)
+    assert findings.search is not None
+    assert isinstance(findings.search.outcome, Solution)
+    fit = findings.search.outcome.fit
+    assert search._lies_on(fit.view, fit.guide, fit)
+    turned = fit.view.source_from_guide @ np.diag((-1.0, -1.0, 1.0, 1.0))
+    assert not search._lies_on(replace(fit.view, source_from_guide=turned), fit.guide, fit)
 
 
 def test_a_fit_without_a_finite_step_says_so(
     image: XrayImage, guide: Guide, flat_panel: CArm, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def nowhere(*arguments: Any) -> NDArray[np.float64]:
-        return np.full_like(design(*arguments), np.nan)
+    design = Places.design
 
-    monkeypatch.setattr(view_fit, "design", nowhere)
+    def nowhere(places: Places, *arguments: Any) -> NDArray[np.float64]:
+        return np.full_like(design(places, *arguments), np.nan)
+
+    monkeypatch.setattr(Places, "design", nowhere)
     result = examine(image, guide, flat_panel).result
     assert isinstance(result, Refusal)
     assert result.code is RefusalCode.GUIDE_MISMATCH

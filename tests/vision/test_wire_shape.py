@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from vision.devices import Guide
 from vision.projection import View
 from vision.wire_model import Wire, feet, sample_wires
-from vision.wire_noise import LEAST_NOISE_PX, Whitening, WireNoise, nearness
+from vision.wire_noise import LEAST_NOISE_PX, Neighbours, PlaceCovariance, WireNoise
 from vision.wire_shape import ball_profile, wire_profile
 
 Array = NDArray[np.float64]
@@ -44,42 +44,60 @@ def test_feet_are_found_again_from_beside_the_wire(wire: Wire, make_view: Callab
     assert np.abs(turned * found.speed_px).max() < 0.1  # px along the wire, a fortieth of a piece
 
 
-def along_a_wire(count: int) -> tuple[NDArray[np.intp], Array]:
-    return np.zeros(count, dtype=np.intp), np.column_stack((4.0 * np.arange(count), np.zeros(count)))
+def neighbours(count: int, length_px: float) -> Neighbours:
+    """Places on one wire, 4 px apart."""
+    points = np.column_stack((4.0 * np.arange(count), np.zeros(count)))
+    return Neighbours.of(np.zeros(count, dtype=np.intp), points, length_px)
+
+
+def nearness(count: int, length_px: float) -> Array:
+    """Correlation (n, n) of the same places' common error."""
+    along = 4.0 * np.arange(count)
+    return np.exp(-np.abs(along[:, None] - along) / length_px)
 
 
 def test_common_and_own_noise_are_told_apart() -> None:
-    wire, points = along_a_wire(400)
-    near = nearness(wire, points, 7.0)
+    beside = neighbours(400, 7.0)
     rng, sd_px = np.random.default_rng(4), np.full(400, 0.03)
-    truth = WireNoise(own_px=0.04, shared_px=0.1)
-    root = np.linalg.cholesky(truth.covariance(sd_px, near))
-    found = [WireNoise.measured(root @ rng.normal(size=400), sd_px, np.ones(400, dtype=bool), near) for _ in range(20)]
+    root = np.linalg.cholesky(0.1**2 * nearness(400, 7.0) + (0.03**2 + 0.04**2) * np.eye(400))
+    found = [
+        WireNoise.measured(root @ rng.normal(size=400), sd_px, np.ones(400, dtype=bool), beside) for _ in range(20)
+    ]
     assert np.median([one.shared_px for one in found]) == pytest.approx(0.1, rel=0.15)
     assert np.median([one.own_px for one in found]) == pytest.approx(0.04, abs=0.03)
 
 
 def test_white_noise_shares_nothing() -> None:
-    wire, points = along_a_wire(400)
-    near = nearness(wire, points, 7.0)
+    beside = neighbours(400, 7.0)
     noise = np.random.default_rng(5).normal(0.0, 0.1, 400)
-    found = WireNoise.measured(noise, np.zeros(400), np.ones(400, dtype=bool), near)
+    found = WireNoise.measured(noise, np.zeros(400), np.ones(400, dtype=bool), beside)
     assert found.shared_px < 0.04
     assert found.own_px == pytest.approx(0.1, rel=0.15)
-    still = WireNoise.measured(np.zeros(400), np.zeros(400), np.ones(400, dtype=bool), near)
+    still = WireNoise.measured(np.zeros(400), np.zeros(400), np.ones(400, dtype=bool), beside)
     assert still == WireNoise(LEAST_NOISE_PX, 0.0)
 
 
 def test_places_of_different_wires_are_not_near() -> None:
-    near = nearness(np.array([0, 0, 1], dtype=np.intp), np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 4.1]]), 5.0)
-    assert near[0, 1] == pytest.approx(np.exp(-1.0))
-    assert near[1, 2] == 0.0
+    points = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 4.1]])
+    beside = Neighbours.of(np.array([0, 0, 1], dtype=np.intp), points, 5.0)
+    assert beside.alike == pytest.approx([np.exp(-1.0), 0.0])
+    assert [pair.tolist() for pair in beside.pairs()] == [beside.alike.tolist()]
 
 
-def test_whitened_values_are_independent() -> None:
-    wire, points = along_a_wire(60)
-    covariance = WireNoise(0.1, 0.2).covariance(np.full(60, 0.05), nearness(wire, points, 9.0))
-    whitened = Whitening.of(covariance)
-    root = whitened(np.eye(60))
-    assert root @ covariance @ root.T == pytest.approx(np.eye(60), abs=1e-9)
-    assert whitened.solved(covariance[:, 3]) == pytest.approx(np.eye(60)[3], abs=1e-9)
+@pytest.mark.parametrize("shared_px", [0.0, 0.2])
+@pytest.mark.parametrize("coefficients", [0, 3])
+def test_solving_undoes_the_covariance_of_all_places(shared_px: float, coefficients: int) -> None:
+    rng = np.random.default_rng(6)
+    weight, sd_px = rng.uniform(1e-6, 1.0, 60), rng.uniform(0.02, 0.1, 60)
+    bend = rng.normal(0.0, 0.1, (60, coefficients))
+    own = np.diag(sd_px**2 + 0.1**2) + shared_px**2 * nearness(60, 9.0)
+    dense = own / np.sqrt(np.outer(weight, weight)) + bend @ bend.T
+    covariance = PlaceCovariance.of(WireNoise(0.1, shared_px), sd_px, neighbours(60, 9.0), weight, bend)
+    assert covariance.solved(dense) == pytest.approx(np.eye(60), abs=1e-8)
+
+
+def test_two_places_at_one_spot_keep_a_finite_covariance() -> None:
+    points = np.array([[0.0, 0.0], [0.0, 0.0], [4.0, 0.0]])
+    beside = Neighbours.of(np.zeros(3, dtype=np.intp), points, 5.0)
+    covariance = PlaceCovariance.of(WireNoise(0.1, 0.2), np.zeros(3), beside, np.ones(3), np.zeros((3, 0)))
+    assert np.linalg.eigvalsh(covariance.solved(np.eye(3))).min() > 0.0
