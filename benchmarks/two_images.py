@@ -26,11 +26,12 @@ from simulated_pairs import STILL, Moved, Room, motion
 from simulator.carm.drawing import random_scene
 from simulator.carm.render import render
 from simulator.carm.scene import Scene
+from vision.corrected_image import CorrectedImage
 from vision.devices import read_carm, read_guide
 from vision.motion_agreement import CHI_SQUARE_LIMIT, MotionErrors, RelativeMotion, detectable_motion
 from vision.refusal import Refusal
 from vision.registered import Registration
-from vision.registration import register
+from vision.registration import examine
 from vision.two_images import Before, TwoImages, compare_images
 from vision.xray import XrayImage, decode
 from workflow.limits import Limits
@@ -137,13 +138,17 @@ def _figures(motion: RelativeMotion) -> tuple[float, float, float]:
     return math.degrees(motion.rotation_rad), motion.across_mm, motion.along_mm
 
 
-def registered(scene: Scene, seed: int) -> tuple[XrayImage, Registration] | Refusal:
-    """A rendered image, registered."""
+def registered(scene: Scene, seed: int) -> tuple[XrayImage, CorrectedImage, Registration] | Refusal:
+    """A rendered image, corrected and registered."""
     image = decode(cv2.imencode(".png", render(scene, seed).pixels)[1].tobytes())
     if isinstance(image, Refusal):
         return image
-    result = register(image, _GUIDE, _CARM)
-    return result if isinstance(result, Refusal) else (image, result)
+    findings = examine(image, _GUIDE, _CARM)
+    if isinstance(findings.result, Refusal):
+        return findings.result
+    if findings.corrected is None:
+        raise ValueError("a registration without the corrected image that it was made in")
+    return image, findings.corrected, findings.result
 
 
 def pair(scene: Scene, seed: int, patient_mm: Array) -> TwoImages | Refusal:
@@ -161,7 +166,8 @@ def pair(scene: Scene, seed: int, patient_mm: Array) -> TwoImages | Refusal:
     if isinstance(after, Refusal):
         return after
     raw_px = tuple(map(float, rng.uniform(420.0, 600.0, 2)))
-    return compare_images(Before(*before, planned, NO_ARM), *after, raw_px, DEPTH_MM)
+    (first, _, planned_from), (_, second, verified) = before, after
+    return compare_images(Before(first, planned_from, planned, NO_ARM), second, verified, raw_px, DEPTH_MM)
 
 
 def rendered(pairs: int, first: int) -> list[Rate]:

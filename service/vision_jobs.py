@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
+import cv2
 import numpy as np
 
 from service.vision_echo import draw_point
@@ -38,6 +39,9 @@ from vision.two_images import Before, compare_images
 from vision.xray import XrayImage, decode
 
 Json = dict[str, Any]
+
+# Where the cores are busy, threads mostly wait for one another; guard and service need theirs (H32).
+cv2.setNumThreads(1)
 
 
 def register(image: bytes, guide: bytes, carm: bytes, handedness_proved: bool = False) -> Json:
@@ -120,29 +124,31 @@ def evaluate(
         return refusal_to_json(first)
     guide_file, carm_file = read_guide(guide), read_carm(carm)
     findings = examine(decoded, guide_file, carm_file, handedness_proved=before["handedness_proved"])
-    result = _compared(findings.result, decoded, first, raw_px, depth_mm, before)
+    result = _compared(findings, first, raw_px, depth_mm, before)
     if isinstance(result, Refusal):
         return refusal_to_json(result) | _picture(decoded, guide_file, carm_file, findings)
     return result
 
 
 def _compared(
-    registered: Registration | Refusal,
-    image: XrayImage,
+    findings: Findings,
     first: XrayImage,
     raw_px: tuple[float, float],
     depth_mm: float,
     before: Json,
 ) -> Json | Refusal:
     """The evaluation's answer by this image's registration and the image before it."""
+    registered, corrected = findings.result, findings.corrected
     if isinstance(registered, Refusal):
         return registered
+    if corrected is None:
+        raise ValueError("a registration without the corrected image that it was made in")
     result = evaluate_registration(registered, raw_px, PixelSpace.RAW, depth_mm)
     if isinstance(result, Refusal):
         return result
     motion = np.array(before["before_from_after"])
     known = Before(first, from_json(before["registration"]), motion, _motion_errors(before["errors"]))
-    compared = compare_images(known, image, registered, raw_px, depth_mm)
+    compared = compare_images(known, corrected, registered, raw_px, depth_mm)
     if isinstance(compared, Refusal):
         return compared
     return evaluation_to_json(result) | two_images_to_json(compared) | {"registration": _registration_json(registered)}

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.anatomy_shift import AnatomyShift, Exposed, compare_anatomy
-from vision.corrected_image import correct
+from vision.corrected_image import CorrectedImage, correct
 from vision.motion_agreement import MotionAgreement, MotionErrors, compare_motion
 from vision.refusal import Refusal
 from vision.registered import PixelSpace, Registration
@@ -38,7 +38,7 @@ class TwoImages:
 
 
 def compare_images(
-    before: Before, image: XrayImage, registration: Registration, raw_px: tuple[float, float], depth_mm: float
+    before: Before, seen: CorrectedImage, registration: Registration, raw_px: tuple[float, float], depth_mm: float
 ) -> TwoImages | Refusal:
     """Compare the image of a verification with the one before.
 
@@ -46,8 +46,8 @@ def compare_images(
     ----------
     before : Before
         What the move was planned from.
-    image, registration
-        Of the verification; by contour, as the one before.
+    seen, registration
+        The verification's image, corrected, and its registration; by contour, as the one before.
     raw_px : tuple
         (u, v) of the target, raw pixel, the same in both.
     depth_mm : float
@@ -62,14 +62,11 @@ def compare_images(
     if isinstance(picked, Refusal):
         return picked
     first = correct(before.image, before.registration.carm)
-    second = correct(image, registration.carm)
     if isinstance(first, Refusal):
         return first
-    if isinstance(second, Refusal):
-        return second
     return TwoImages(
         motion=compare_motion(before.registration, registration, before.before_from_after, before.errors),
         anatomy=compare_anatomy(
-            Exposed(first, before.registration), Exposed(second, registration), picked.corrected, depth_mm
+            Exposed(first, before.registration), Exposed(seen, registration), picked.corrected, depth_mm
         ),
     )
