@@ -9,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests test-postgresql audit-bench bench bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock
+.PHONY: help demo run test check tests test-postgresql audit-bench bench bench-service bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -53,6 +53,9 @@ test-postgresql: $(VENV)/.test  ## every test that opens a database, on PostgreS
 
 bench: $(VENV)/.runtime  ## time register against OpenCV on the images of SAMPLES=folder, or on rendered ones; memory, both cores
 	$(BIN)/python benchmarks/speed.py $(SAMPLES)
+
+bench-service: $(VENV)/.runtime  ## from an image to its registration on a tablet, all cores busy: COUNT=100 images; results kept in FOLDER
+	$(BIN)/python benchmarks/service_latency.py --count $(or $(COUNT),100) --folder $(or $(FOLDER),$(VENV)/service-latency)
 
 samples: $(VENV)/.runtime  ## register, flip and turn the images of SAMPLES=folder against their truth
 	$(BIN)/python benchmarks/samples.py $(SAMPLES)

@@ -24,7 +24,7 @@ def run_case(stage: Stage, pedicles: Sequence[PlannedPedicle], teller: Teller) -
     with ExitStack() as open_clients:
         surgeon = open_clients.enter_context(stage.sign_in("surgeon"))
         operator = open_clients.enter_context(stage.sign_in("operator"))
-        team = _open_case(stage, surgeon, operator, pedicles, teller)
+        team = open_case(stage, surgeon, operator, pedicles, teller)
         for pedicle in pedicles:
             teller.about = pedicle.name
             result = place_sleeve(team, pedicle.name)
@@ -34,9 +34,10 @@ def run_case(stage: Stage, pedicles: Sequence[PlannedPedicle], teller: Teller) -
         _close_case(team)
 
 
-def _open_case(
+def open_case(
     stage: Stage, surgeon: Coaxial, operator: Coaxial, pedicles: Sequence[PlannedPedicle], teller: Teller
 ) -> Team:
+    """A case for the patient in the room, control taken as soon as the arm is read; DemoFailed if it never is."""
     room = stage.door.room()
     case = surgeon.open_case(
         {

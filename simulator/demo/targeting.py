@@ -21,7 +21,7 @@ _CLEARANCE_MM = 45.0  # along the guide's axis, before the C-arm turns: above th
 def place_sleeve(team: Team, pedicle: str) -> TargetResult:
     """The whole procedure for one planned pedicle; DemoFailed or Refused where it does not go on."""
     started_s, images = team.teller.elapsed_s(), int(team.operator.status()["images"])
-    _bring_guide_in(team, pedicle)
+    bring_guide_in(team, pedicle)
     moved, verified = _bring_onto_target(team, pedicle)
     _insert(team)
     move(team, "retreat", distance_mm=_CLEARANCE_MM)
@@ -29,7 +29,7 @@ def place_sleeve(team: Team, pedicle: str) -> TargetResult:
     return TargetResult(pedicle, moved, verified, exposures, team.teller.elapsed_s() - started_s)
 
 
-def _bring_guide_in(team: Team, pedicle: str) -> None:
+def bring_guide_in(team: Team, pedicle: str) -> None:
     """C-arm into the view, guide stated empty, arm into the beam by eye."""
     turn_carm(team, pedicle)
     team.operator.command("guide-state-stated", guide="empty")
