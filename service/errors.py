@@ -65,6 +65,7 @@ class ErrorCode(StrEnum):
     PEER_UNREACHABLE = "peer_unreachable"
     PEER_UNKNOWN = "peer_unknown"
     ROOM_LEFT = "room_left"
+    CLUSTER_UNAVAILABLE = "cluster_unavailable"
     VISION_DEADLINE = "vision_deadline"
     VISION_CRASHED = "vision_crashed"
     VISION_OUT_OF_MEMORY = "vision_out_of_memory"
@@ -188,6 +189,7 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.ROOM_LEFT: Answer(
         409, "If that workstation is dead, start with `coaxial serve --claim-room REASON`; else end its service first."
     ),
+    ErrorCode.CLUSTER_UNAVAILABLE: Answer(503, "Start the scheduler and its workers, or replay on this machine."),
     ErrorCode.VISION_DEADLINE: Answer(503, "Try again; if it repeats, take a new image."),
     ErrorCode.VISION_CRASHED: Answer(503, "Try again; the image worker was restarted."),
     ErrorCode.VISION_OUT_OF_MEMORY: Answer(503, "Take a smaller image, or raise the memory limit in the settings."),

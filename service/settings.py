@@ -151,10 +151,14 @@ class Settings(BaseSettings):
         del dotenv_settings, file_secret_settings
         return init_settings, env_settings, TomlConfigSettingsSource(settings_cls)
 
+    def decisive(self) -> bytes:
+        """What decides during a case (H30), as JSON; addresses, folders and session lengths do not."""
+        decide = {"room", "arm_address", "dicom", "vision", "limits", "arm_accuracy"}
+        return self.model_dump_json(include=decide).encode()
+
     def fingerprint(self) -> str:
-        """SHA-256 of what decides during a case (H30); addresses, folders and session lengths do not."""
-        decisive = self.model_dump_json(include={"room", "arm_address", "dicom", "vision", "limits", "arm_accuracy"})
-        return hashlib.sha256(decisive.encode()).hexdigest()
+        """SHA-256 of what decides."""
+        return hashlib.sha256(self.decisive()).hexdigest()
 
 
 def load_settings(file: Path | None = None, overrides: Mapping[str, Any] | None = None) -> Settings:

@@ -14,6 +14,7 @@ from service.cases import store
 from service.cases.records import NewCase, NewEvent, StoredEvent
 from service.devices.store import DeviceKind, StoredDevice, expired, newest_device, read_device
 from service.errors import ErrorCode, ServiceError
+from service.images.store import keep_bytes
 from service.settings import Settings
 
 Point = tuple[float, float, float]
@@ -69,7 +70,7 @@ def open_case(connection: Connection, wanted: CaseToOpen, session: Session, sett
         patient_id=wanted.patient_id,
         study_uid=wanted.study_uid,
         opened_by=session.user_id,
-        settings_sha256=settings.fingerprint(),
+        settings_sha256=keep_bytes(connection, settings.decisive()),  # kept, so that a replay has them
         devices={kind: device.id for kind, device in devices.items()},
         planned_targets={target.name: target.model_dump() | {"position": wanted.position} for target in wanted.targets},
     )

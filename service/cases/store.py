@@ -7,7 +7,7 @@ Every function takes the connection of the caller's transaction, so that an even
 idempotency key commit together or not at all.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import sqlalchemy as sa
@@ -117,6 +117,14 @@ def events_of_kind(connection: Connection, case_id: str, triggers: Sequence[str]
     events = tables.events
     query = sa.select(events).where(events.c.case_id == case_id, events.c.trigger.in_(triggers))
     return [_event(row) for row in connection.execute(query.order_by(events.c.sequence))]
+
+
+def all_events(connection: Connection, case_id: str) -> Iterator[StoredEvent]:
+    """Every event of a case, oldest first."""
+    events = events_after(connection, case_id)
+    while events:
+        yield from events
+        events = events_after(connection, case_id, events[-1].sequence)
 
 
 def read_case(connection: Connection, case_id: str) -> StoredCase:

@@ -1,13 +1,11 @@
-"""`coaxial audit`: read the ledger, export it, verify it, show the public key that its checkpoints are signed with.
+"""`coaxial audit`: read the ledger, export it, verify it, replay cases, show the public key of its checkpoints.
 
-Exit status: 0 done, 1 the verification found something, 3 refused. What is heavy is imported where it is used.
+Exit status: 0 done, 1 the verification found something, 3 refused; replay has its own. What is heavy is imported where
+it is used.
 """
 
-import getpass
 import os
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from datetime import datetime
 from enum import StrEnum
 from pathlib import Path
@@ -15,17 +13,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from service.cli.replay import replay
+from service.cli.site import ConfigOption, DataFolderOption, site_settings
+
 if TYPE_CHECKING:
     from service.ledger.findings import Verification
     from service.ledger.keys import Verifier
     from service.settings import Settings
 
 audit = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True)
+audit.command()(replay)
 
-_FOUND, _REFUSED = 1, 3
+_FOUND = 1
 _SHOWN = 100
-ConfigOption = Annotated[Path | None, typer.Option(help="Settings file (TOML); COAXIAL_ variables win.")]
-DataFolderOption = Annotated[Path | None, typer.Option(help="Where the database is kept.")]
 Word = Annotated[str | None, typer.Option()]
 
 
@@ -45,7 +45,7 @@ After = Annotated[int, typer.Option(help="Entries behind this number.", min=0)]
 
 @audit.callback()
 def audits() -> None:
-    """The record: read it, verify it."""
+    """The record: read it, verify it, compute it anew."""
 
 
 @audit.command()
@@ -53,7 +53,7 @@ def key(config: ConfigOption = None, data_folder: DataFolderOption = None) -> No
     """Print the public key, made where there is none: keep it outside this machine, and verify with it."""
     from service.ledger.keys import signing_key
 
-    with _settings(config, data_folder) as settings:
+    with site_settings(config, data_folder) as settings:
         verifier = signing_key(settings.key_file).verifier
         typer.echo(f"private key: {settings.key_file}\npublic key, SHA-256 {verifier.name}:", err=True)
         typer.echo(verifier.pem, nl=False)
@@ -76,7 +76,7 @@ def list_entries(
 ) -> None:
     """Print entries, oldest first: CSV for reading, JSON Lines for every entry whole. This is an entry itself."""
     words = (case, actor, action, interlock, hazard)
-    with _settings(config, data_folder) as settings:
+    with site_settings(config, data_folder) as settings:
         _print(settings, "audit list", words, (since, until), after, limit or None, form)
 
 
@@ -96,7 +96,7 @@ def export_entries(
 ) -> None:
     """Print every entry, a line each: whole, or as DICOM audit messages (PS3.15 A.5) or FHIR AuditEvents."""
     words = (case, actor, action, interlock, hazard)
-    with _settings(config, data_folder) as settings:
+    with site_settings(config, data_folder) as settings:
         _print(settings, "audit export", words, (since, until), after, None, form)
 
 
@@ -138,7 +138,7 @@ def verify(
     from service.ledger.keys import public_file
     from service.ledger.verifying import verify as verify_ledger
 
-    with _settings(config, data_folder) as settings:
+    with site_settings(config, data_folder) as settings:
         verifiers = _verifiers(public_key or [public_file(settings.key_file)])
         database = open_database(settings.database_url)
         started_s = time.monotonic()
@@ -187,17 +187,3 @@ def _record(settings: "Settings", found: "Verification") -> None:
             record_audit(connection, "ledger_verified", None, data)
     except ServiceError as error:
         typer.echo(f"not recorded: {error.message}", err=True)
-
-
-@contextmanager
-def _settings(config: Path | None, data_folder: Path | None) -> "Iterator[Settings]":
-    from service.errors import ServiceError, answer_for
-    from service.ledger.speaker import speak_as
-    from service.settings import load_settings
-
-    speak_as("command line", getpass.getuser())
-    try:
-        yield load_settings(config, {} if data_folder is None else {"data_folder": data_folder})
-    except ServiceError as error:
-        typer.echo(f"{error.code}: {error.message}. {answer_for(error.code).what_to_do}", err=True)
-        raise typer.Exit(_REFUSED) from error

@@ -1,6 +1,5 @@
 """Registering many images: on all cores, answered in the order in which they were given."""
 
-import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -11,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from service.cli.streams import read_image, refusal_line
+from service.cores import cores, use_one_core
 
 if TYPE_CHECKING:
     from vision.devices import CArm, Guide
 
 _LEAST_IMAGES = 4  # for which starting processes, a second each, pays
 _PROGRESS_STEPS = 10
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +46,11 @@ def answers(jobs: Sequence[Job]) -> Iterator[Answer]:
     typer.Exit
         At the first image whose file cannot be read, as one line on stderr tells.
     """
-    processes = min(_cores(), len(jobs))
+    processes = min(cores(), len(jobs))
     if len(jobs) < _LEAST_IMAGES or processes < 2:
         yield from map(answer, jobs)
         return
-    with ProcessPoolExecutor(processes, get_context("spawn"), initializer=_use_one_core) as pool:
+    with ProcessPoolExecutor(processes, get_context("spawn"), initializer=use_one_core) as pool:
         step = max(1, len(jobs) // _PROGRESS_STEPS)
         for done, result in enumerate(pool.map(answer, jobs), start=1):
             yield result
@@ -71,16 +70,3 @@ def answer(job: Job) -> Answer:
     if isinstance(result, Refusal):
         return Answer(refusal_line(result, identity), True)
     return Answer(to_json(result, str(job.path)), False)
-
-
-def _cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _use_one_core() -> None:
-    """Leave the other cores to the other processes; the linear algebra reads its variable when it is loaded."""
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
-    import cv2
-
-    cv2.setNumThreads(1)

@@ -33,7 +33,7 @@ class DeviceSet:
 
 
 def device_ids(connection: Connection, case_id: str) -> dict[str, str]:
-    """Ids of the device files by kind."""
+    """Ids of the device files that a case uses now, by kind."""
     opened = connection.execute(sa.select(tables.cases.c.devices).where(tables.cases.c.id == case_id)).scalar_one()
     events = tables.events
     changed = (events.c.case_id == case_id, events.c.trigger == Trigger.DEVICE_CHANGED)

@@ -21,7 +21,7 @@ from service.errors import ErrorCode, ServiceError
 from service.images.store import exposure_pose
 from vision.handedness import LEAST_NUDGE_MM
 from workflow.case import CaseState
-from workflow.plans import PlanKind
+from workflow.plans import AIMED, PlanKind
 from workflow.verdicts import Verdict
 
 _H12 = frozenset({RefusalCode.KEEP_OUT, RefusalCode.PATH_TOO_LONG})
@@ -40,19 +40,31 @@ class Goal:
 
 def goal_of(connection: Connection, case: CaseState, wanted: RequestPlan, arm: ArmState) -> Goal:
     """The goal of a plan of this kind; ServiceError where what it needs is not there."""
+    if wanted.kind in AIMED:
+        return _at_the_target(connection, case)
+    return goal_asked_for(wanted, arm.base_from_tcp)
+
+
+def goal_asked_for(wanted: RequestPlan, base_from_tcp: Transform) -> Goal:
+    """The goal of a plan that a person says, from the pose (4, 4), mm, where the arm is."""
+    nothing = dict.fromkeys(_PREDICTED)
     match wanted.kind:
-        case PlanKind.TARGETING | PlanKind.CORRECTIVE:
-            return _at_the_target(connection, case)
         case PlanKind.APPROACH | PlanKind.CALIBRATION:
-            return Goal(_pose(wanted.base_from_goal), False, dict.fromkeys(_PREDICTED))
+            return Goal(_pose(wanted.base_from_goal), False, nothing)
         case PlanKind.NUDGE:
-            return Goal(goal_in_base(arm.base_from_tcp, _nudge(wanted.step)), False, dict.fromkeys(_PREDICTED))
+            return Goal(goal_in_base(base_from_tcp, _nudge(wanted.step)), False, nothing)
         case PlanKind.RETREAT:
-            return Goal(
-                goal_in_base(arm.base_from_tcp, retreat(wanted.distance_mm or 0.0)), True, dict.fromkeys(_PREDICTED)
-            )
+            return Goal(goal_in_base(base_from_tcp, retreat(wanted.distance_mm or 0.0)), True, nothing)
+        case PlanKind.TARGETING | PlanKind.CORRECTIVE:
+            raise ValueError(f"the goal of a {wanted.kind} plan is that of its target")
         case _:
             assert_never(wanted.kind)
+
+
+def goal_at_target(base_from_guide: Transform, targeting: Mapping[str, Any]) -> Goal:
+    """The goal of a plan onto a target, from the pose (4, 4), mm, that the arm held during the exposure."""
+    base_from_goal = goal_in_base(base_from_guide, np.array(targeting["guide_from_goal"]))
+    return Goal(base_from_goal, False, {name: targeting[name] for name in _PREDICTED})
 
 
 def way_to(goal: Goal, arm: ArmState, devices: DeviceSet) -> Path:
@@ -92,9 +104,7 @@ def _at_the_target(connection: Connection, case: CaseState) -> Goal:
         # The rules refuse the request for what is missing; they need a plan to say so about.
         raise ServiceError(ErrorCode.IMAGE_NOT_REGISTERED, "the case has no target to move to")
     targeting = store.read_artefact(connection, ArtefactKind.TARGET, case.target.id).content["targeting"]
-    base_from_guide = exposure_pose(connection, case.image.id)
-    base_from_goal = goal_in_base(base_from_guide, np.array(targeting["guide_from_goal"]))
-    return Goal(base_from_goal, False, {name: targeting[name] for name in _PREDICTED})
+    return goal_at_target(exposure_pose(connection, case.image.id), targeting)
 
 
 def _nudge(step: Pose | None) -> Transform:

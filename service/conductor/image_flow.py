@@ -105,7 +105,7 @@ class ImageFlow:
             refused = VerificationRefused(image_id, result["reason"]["code"])
             await self._observe(case_id, Trigger.VERIFICATION_REFUSED, _refused(refused, result))
             return
-        await self._observe(case_id, Trigger.VERIFICATION_PASSED, _evaluated(image_id, result))
+        await self._observe(case_id, Trigger.VERIFICATION_PASSED, evaluation_of(image_id, result))
 
     async def _observe(self, case_id: str, trigger: Trigger, prepared: Prepared) -> None:
         observe = partial(self._conductor.observe, case_id, trigger, lambda _: prepared)
@@ -150,7 +150,7 @@ def registration_artefact(registration_id: str, image_id: str, result: Json) -> 
     return NewArtefact(ArtefactKind.REGISTRATION, registration_id, (image_id,), result, {"image_id": image_id})
 
 
-def _evaluated(image_id: str, result: Json) -> Prepared:
+def evaluation_of(image_id: str, result: Json) -> Prepared:
     """An evaluation; whether it passes the rules say, from the figures with their bounds.
 
     The contour registration inside is recorded as one of its own: a correction starts from it.

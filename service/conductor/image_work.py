@@ -16,6 +16,7 @@ from service.conductor.device_set import DeviceSet, devices_of
 from service.conductor.handedness import UNPROVED, CArmConnection, connection_of, prove_by_nudge
 from service.errors import ServiceError
 from service.images.store import exposure_pose, original_bytes, read_image
+from service.motion_errors import motion_errors
 from workflow.facts import RegistrationQuality
 
 Json = dict[str, Any]
@@ -144,14 +145,7 @@ def _motion_errors(conductor: Conductor, case_id: str) -> Json:
 
 
 def _errors_of(conductor: Conductor, devices: DeviceSet) -> Json:
-    """Standard deviations of the arm's poses, by the site, and of the TCP calibration, by its file (H03)."""
-    arm, tool = conductor.parts.settings.arm_accuracy, devices.tool
-    return {
-        "arm_sd_mm": arm.position_sd_mm,
-        "arm_sd_deg": arm.rotation_sd_deg,
-        "tcp_sd_mm": tool.calibration_sd_mm,
-        "tcp_sd_deg": math.degrees(tool.calibration_sd_rad),
-    }
+    return motion_errors(conductor.parts.settings.arm_accuracy, devices.tool)
 
 
 def _image(conductor: Conductor, image_id: str) -> bytes:

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Depends
 
@@ -17,6 +17,7 @@ from service.conductor.caller import Caller, requesting
 from service.conductor.conductor import Conductor, TheConductor, new_id
 from service.conductor.device_set import devices_of
 from service.conductor.goals import Goal, goal_of, way_to
+from service.conductor.plan_content import plan_content
 from service.conductor.route_errors import PLANNING
 from service.conductor.taking import Prepared, Standing
 from service.errors import ErrorCode, ServiceError
@@ -58,7 +59,7 @@ def _prepare(
         raise ServiceError(ErrorCode.ARM_UNKNOWN, "nothing was read from the arm yet")
     goal = goal_of(standing.connection, standing.case, wanted, reading.arm)
     path = way_to(goal, reading.arm, devices_of(standing.connection, standing.case.case_id))
-    return _planned(still, goal, path, reading.arm)
+    return _planned(still, wanted, goal, path, reading.arm)
 
 
 def _still(standing: Standing, kind: PlanKind, limits: Limits) -> PlanRequested:
@@ -83,7 +84,7 @@ def _still(standing: Standing, kind: PlanKind, limits: Limits) -> PlanRequested:
     )
 
 
-def _planned(still: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> Prepared:
+def _planned(still: PlanRequested, wanted: RequestPlan, goal: Goal, path: Path, arm: ArmState) -> Prepared:
     way_mm = max(path.length_mm, path.angle_rad * PathLimits().turn_lever_mm)  # what the controller counts
     predicted = goal.predicted["predicted_error_95"]
     facts = replace(
@@ -101,40 +102,11 @@ def _planned(still: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> Pre
         predicted_angle_rad=None if predicted is None else math.radians(predicted["angle_deg"]),
         predicted_position_mm=None if predicted is None else predicted["position_mm"],
     )
-    content = _content(facts, goal, path, arm)
+    content = plan_content(facts.kind, goal, arm.base_from_tcp, path) | {
+        "overrides": {override.code: override.reason for override in facts.overrides},
+        "requested": wanted.model_dump(mode="json", exclude_none=True, exclude={"overrides"}),
+    }
     data = {"kind": facts.kind, "overrides": content["overrides"]}
     artefact = NewArtefact(ArtefactKind.PLAN, facts.plan_id, facts.made_from, content, {})
-    detail = {key: value for key, value in content.items() if key != "start_joints_rad"}
+    detail = {key: value for key, value in content.items() if key not in ("start_joints_rad", "requested")}
     return Prepared(facts, (artefact,), {"plan": facts.plan_id}, data, detail)
-
-
-def _content(facts: PlanRequested, goal: Goal, path: Path, arm: ArmState) -> dict[str, Any]:
-    return {
-        "kind": facts.kind,
-        "axial": facts.axial,
-        "base_from_goal": path.base_from_goal.tolist(),
-        "base_from_start": arm.base_from_tcp.tolist(),
-        "start_joints_rad": list(facts.start_joints_rad),
-        "length_mm": path.length_mm,
-        "rotation_deg": math.degrees(path.angle_rad),
-        "speed_mm_s": path.speed_mm_s,
-        "acceleration_mm_s2": path.acceleration_mm_s2,
-        "duration_s": path.duration_s,
-        "joint_margin_deg": math.degrees(path.joint_margin_rad),
-        "smallest_singular_value": path.smallest_singular_value,
-        "clearance_mm": path.clearance_mm,
-        "clearance_needed_mm": path.needed_mm,
-        "preview": _preview(path),
-        "overrides": {override.code: override.reason for override in facts.overrides},
-        **goal.predicted,
-    }
-
-
-def _preview(path: Path) -> list[dict[str, Any]]:
-    """The pieces of the path in order: where each ends, and what it comes nearest to on its way."""
-    ends_mm = path.base_from_samples[1:, :3, 3].tolist()
-    nearest = (path.swept.on_segment(segment) for segment in range(len(ends_mm)))
-    return [
-        {"to_mm": end_mm, "clearance_mm": one.clearance_mm, "part": one.part, "shape": one.shape}
-        for end_mm, one in zip(ends_mm, nearest, strict=True)
-    ]
