@@ -38,13 +38,12 @@ def on_this_machine(workers: int) -> Iterator[Crew]:
 def on_a_cluster(address: str) -> Iterator[Crew]:
     """The workers of a Dask scheduler; ServiceError CLUSTER_UNAVAILABLE without it, or without `distributed`."""
     try:
-        from distributed import Client
-        from distributed import wait as wait_for
+        import distributed
     except ImportError as error:
         message = "a cluster needs the extra `cluster` (pip install 'coaxial[cluster]')"
         raise ServiceError(ErrorCode.CLUSTER_UNAVAILABLE, message) from error
     try:
-        client = Client(address, timeout=_CONNECT_S, set_as_default=False)
+        client: Any = distributed.Client(address, timeout=_CONNECT_S, set_as_default=False)  # type: ignore[no-untyped-call]  # Dask has no types
     except (OSError, ValueError) as error:
         raise ServiceError(ErrorCode.CLUSTER_UNAVAILABLE, f"no scheduler answers at {address}") from error
     with client:
@@ -54,7 +53,7 @@ def on_a_cluster(address: str) -> Iterator[Crew]:
             # Scattered first: a scheduler is no place for images.
             return client.submit(_replay, client.scatter(case, hash=False), pure=False)
 
-        yield lambda cases: _in_turn(cases, submit, wait_for, workers)
+        yield lambda cases: _in_turn(cases, submit, distributed.wait, workers)
 
 
 def _alone(cases: Iterable[CaseInput]) -> Iterator[CaseReplay]:
