@@ -5,6 +5,7 @@ from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontext
 
 from fastapi import APIRouter, FastAPI
 
+import service.archive.router
 import service.auth.router
 import service.cases.router
 import service.devices.router
@@ -33,6 +34,7 @@ ROUTERS: tuple[APIRouter, ...] = (
     service.images.router.router,
     service.ledger.router.router,
     service.pacs.router.router,
+    service.archive.router.router,
     *CONDUCTOR_ROUTERS,
 )
 # What runs beside the requests: entered in this order once the parts are up, left in reverse before they close.

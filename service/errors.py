@@ -66,6 +66,8 @@ class ErrorCode(StrEnum):
     PEER_UNKNOWN = "peer_unknown"
     ROOM_LEFT = "room_left"
     CLUSTER_UNAVAILABLE = "cluster_unavailable"
+    ARCHIVE_REFUSED = "archive_refused"
+    CASE_DIFFERS = "case_differs"
     VISION_DEADLINE = "vision_deadline"
     VISION_CRASHED = "vision_crashed"
     VISION_OUT_OF_MEMORY = "vision_out_of_memory"
@@ -190,6 +192,8 @@ ANSWERS: dict[str, Answer] = {
         409, "If that workstation is dead, start with `coaxial serve --claim-room REASON`; else end its service first."
     ),
     ErrorCode.CLUSTER_UNAVAILABLE: Answer(503, "Start the scheduler and its workers, or replay on this machine."),
+    ErrorCode.ARCHIVE_REFUSED: Answer(422, "Verify the file (`coaxial case verify`); get it again from its maker."),
+    ErrorCode.CASE_DIFFERS: Answer(409, "Keep both: this database and the file. Compare them with `coaxial audit`."),
     ErrorCode.VISION_DEADLINE: Answer(503, "Try again; if it repeats, take a new image."),
     ErrorCode.VISION_CRASHED: Answer(503, "Try again; the image worker was restarted."),
     ErrorCode.VISION_OUT_OF_MEMORY: Answer(503, "Take a smaller image, or raise the memory limit in the settings."),

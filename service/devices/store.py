@@ -75,7 +75,7 @@ def add_device(connection: Connection, kind: DeviceKind, content: bytes, user_id
         sha256=parsed.sha256,
         expires=parsed.expires.isoformat() if parsed.expires else None,
         uploaded_by=user_id,
-        position=(connection.execute(sa.select(sa.func.max(tables.device_files.c.position))).scalar() or 0) + 1,
+        position=_uploads(connection) + 1,
         uploaded_at=now_utc(),
     )
     values = {name: getattr(device, name) for name in StoredDevice.__slots__}
@@ -99,7 +99,8 @@ def read_device(connection: Connection, device_id: str) -> StoredDevice:
 
 def newest_device(connection: Connection, kind: DeviceKind) -> StoredDevice:
     """The file of a kind that was uploaded last; ServiceError DEVICE_UNKNOWN."""
-    return _one(connection, tables.device_files.c.kind == kind, f"no {kind} file was uploaded")
+    files = tables.device_files
+    return _one(connection, (files.c.kind == kind) & (files.c.position > 0), f"no {kind} file was uploaded")
 
 
 def device_bytes(connection: Connection, device_id: str) -> bytes:
@@ -141,6 +142,11 @@ def _reader(kind: DeviceKind) -> Callable[[bytes], DeviceFile]:
             from robot.room_shapes import read_room
 
             return read_room
+
+
+def _uploads(connection: Connection) -> int:
+    """How many files were uploaded; imported ones were not, and stand at positions below zero."""
+    return max(connection.execute(sa.select(sa.func.max(tables.device_files.c.position))).scalar() or 0, 0)
 
 
 def _same_version(connection: Connection, kind: DeviceKind, parsed: DeviceFile) -> StoredDevice | None:

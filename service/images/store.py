@@ -120,8 +120,8 @@ def list_images(connection: Connection, case_id: str | None = None, limit: int =
 
 
 def count_images(connection: Connection) -> int:
-    """How many images have arrived."""
-    return connection.execute(sa.select(sa.func.max(tables.images.c.position))).scalar() or 0
+    """How many images have arrived; imported ones did not, and stand at positions below zero."""
+    return max(connection.execute(sa.select(sa.func.max(tables.images.c.position))).scalar() or 0, 0)
 
 
 def assign_purpose(connection: Connection, purpose: NewPurpose) -> None:

@@ -80,11 +80,16 @@ def signing_key(file: Path) -> Signer:
 def public_key(file: Path) -> Verifier:
     """The public key in `file` (PEM); ServiceError KEY_REFUSED."""
     try:
-        key = load_pem_public_key(file.read_bytes())
+        return public_key_in(file.read_bytes())
     except (OSError, ValueError) as error:
-        raise ServiceError(ErrorCode.KEY_REFUSED, f"{file} holds no public key") from error
+        raise ServiceError(ErrorCode.KEY_REFUSED, f"{file} holds no public Ed25519 key") from error
+
+
+def public_key_in(pem: bytes) -> Verifier:
+    """The public key in PEM; ValueError where there is none of Ed25519."""
+    key = load_pem_public_key(pem)
     if not isinstance(key, Ed25519PublicKey):
-        raise ServiceError(ErrorCode.KEY_REFUSED, f"{file} holds no Ed25519 key")
+        raise ValueError("no Ed25519 key")
     return Verifier(key)
 
 

@@ -43,7 +43,7 @@ def on_a_cluster(address: str) -> Iterator[Crew]:
         message = "a cluster needs the extra `cluster` (pip install 'coaxial[cluster]')"
         raise ServiceError(ErrorCode.CLUSTER_UNAVAILABLE, message) from error
     try:
-        client: Any = distributed.Client(address, timeout=_CONNECT_S, set_as_default=False)  # type: ignore[no-untyped-call]  # Dask has no types
+        client: Any = distributed.Client(address, timeout=_CONNECT_S)  # type: ignore[no-untyped-call]  # has no types
     except (OSError, ValueError) as error:
         raise ServiceError(ErrorCode.CLUSTER_UNAVAILABLE, f"no scheduler answers at {address}") from error
     with client:

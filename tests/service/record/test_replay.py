@@ -150,7 +150,7 @@ def test_a_whole_archive_is_replayed_by_several_processes(archive) -> None:
 def test_a_whole_archive_is_replayed_by_a_cluster(archive) -> None:
     from distributed import LocalCluster
 
-    with LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0") as cluster:
         address = cluster.scheduler_address
         result = CliRunner().invoke(audit, ["replay", "--all", "--scheduler", address, "--data-folder", str(archive)])
     assert result.exit_code == 0, result.output

@@ -1,0 +1,93 @@
+"""`coaxial case`: a case as one file, to be kept, checked, given away or brought to another workstation.
+
+Exit status: 0 done, 1 the check found something, 3 refused. What is heavy is imported where it is used.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from service.cli.site import REFUSED, ConfigOption, DataFolderOption, site_settings
+
+if TYPE_CHECKING:
+    from service.ledger.keys import Verifier
+
+case = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True)
+
+_FOUND = 1
+_SHOWN = 100
+ArchiveFile = Annotated[Path, typer.Argument(metavar="FILE", help="An archive of a case.")]
+PublicKeys = Annotated[
+    list[Path] | None,
+    typer.Option("--public-key", help="Public key (PEM) to be believed, again for each; else the one in the file."),
+]
+
+
+@case.callback()
+def cases() -> None:
+    """A case as one file: export, verify, import."""
+
+
+@case.command("export")
+def export_one(
+    case_id: Annotated[str, typer.Argument(metavar="CASE", help="Id of the case.")],
+    out: Annotated[Path, typer.Option(help="Where to write it.")],
+    pseudonymise: Annotated[bool, typer.Option(help="Without patient, people and what they wrote.")] = False,
+    config: ConfigOption = None,
+    data_folder: DataFolderOption = None,
+) -> None:
+    """Write everything that was recorded of a case, with its proof; the same case gives the same file."""
+    from service.archive.exporting import export_case
+    from service.database.current import current_database
+    from service.ledger.keys import signing_key
+
+    with site_settings(config, data_folder) as settings, current_database(settings) as database:
+        signer = signing_key(settings.key_file)
+        export_case(database, signer, case_id, None, out, pseudonymised=pseudonymise)
+    typer.echo(f"{out}: signed by key {signer.verifier.name}")
+
+
+@case.command("verify")
+def verify_file(file: ArchiveFile, public_key: PublicKeys = None) -> None:
+    """Check an archive by itself: signature, chain, every row and every byte; say where it fails."""
+    from service.archive.checking import check_archive
+    from service.archive.container import open_archive
+    from service.errors import ServiceError
+
+    try:
+        with open_archive(file) as archive:
+            manifest, found = archive.manifest, check_archive(archive, _trusted(public_key))
+    except ServiceError as error:
+        typer.echo(f"{error.code}: {error.message}", err=True)
+        raise typer.Exit(REFUSED) from error
+    for finding in found.findings[:_SHOWN]:
+        typer.echo(f"{finding.where}: {finding.what}")
+    if manifest["pseudonymised"] is not None:
+        typer.echo(manifest["pseudonymised"])
+    known = "a key that you named" if public_key else "the key in the file: compare it with `coaxial audit key`"
+    counted = f"{len(manifest['members'])} members, {found.rows} rows, {found.entries} entries"
+    typer.echo(f"case {manifest['case_id']}: {counted}; signed by {manifest['key']}, {known}")
+    typer.echo(f"{len(found.findings) or 'nothing'} found")
+    if found.findings:
+        raise typer.Exit(_FOUND)
+
+
+@case.command("import")
+def import_file(
+    file: ArchiveFile, public_key: PublicKeys = None, config: ConfigOption = None, data_folder: DataFolderOption = None
+) -> None:
+    """Bring a case into this database, with its own ids; one that was under way is held here until acknowledged."""
+    from service.archive.importing import import_case
+    from service.database.current import current_database
+
+    with site_settings(config, data_folder) as settings, current_database(settings) as database:
+        case_id, is_new = import_case(database, settings, file, _trusted(public_key))
+    typer.echo(f"case {case_id} is here" if is_new else f"case {case_id} was here already, the same")
+
+
+def _trusted(files: list[Path] | None) -> "dict[str, Verifier]":
+    from service.ledger.keys import public_key
+
+    verifiers = [public_key(file) for file in files or ()]
+    return {verifier.name: verifier for verifier in verifiers}
