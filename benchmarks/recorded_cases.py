@@ -36,6 +36,7 @@ from service.conductor.targets import target_artefact
 from service.devices.store import DeviceKind, add_device
 from service.images.dicom_header import read_header
 from service.images.store import NewPurpose, add_image, assign_purpose
+from service.ledger.draft import describe
 from service.motion_errors import motion_errors
 from service.settings import Settings
 from simulator.carm.anatomy import Body
@@ -138,6 +139,8 @@ def record(connection: Connection, settings: Settings, user_id: str, results: Re
     made.event("verification_passed", {"image_id": second}, *evaluated.artefacts)
     made.case = replace(made.case, state=state)
     made.event("case_closed" if state is State.CLOSED else "note", {})
+    if state is State.CLOSED:
+        describe(connection, checkpoint="case_closed")
     return case_id
 
 

@@ -10,6 +10,7 @@ import service.auth.router
 import service.cases.router
 import service.devices.router
 import service.images.router
+import service.images.uploads
 import service.ledger.router
 import service.pacs.router
 from service import room_status
@@ -32,6 +33,7 @@ ROUTERS: tuple[APIRouter, ...] = (
     service.cases.router.router,
     service.devices.router.router,
     service.images.router.router,
+    service.images.uploads.router,
     service.ledger.router.router,
     service.pacs.router.router,
     service.archive.router.router,
@@ -71,7 +73,8 @@ def create_app(settings: Settings, claim_reason: str | None = None) -> FastAPI:
         lifespan=lifespan,
     )
     app.openapi = described_by(app)  # type: ignore[method-assign]  # FastAPI's own way to extend the description
-    app.add_middleware(Edge, max_body_bytes=settings.http.max_body_bytes)
+    larger = {"/api/images": settings.dicom.max_image_bytes}
+    app.add_middleware(Edge, max_body_bytes=settings.http.max_body_bytes, larger=larger)
     add_problem_handlers(app)
     for router in ROUTERS:
         app.include_router(router, prefix="/api")

@@ -64,6 +64,11 @@ class Coaxial:
         """Store a device file: kind guide, carm, tcp or room."""
         return self._answer(self._http.post(f"/devices/{kind}", content=file)).json()  # type: ignore[no-any-return]  # JSON
 
+    def upload_image(self, media_type: str, file: bytes) -> Json:
+        """Store an image (application/dicom, image/png, image/tiff); its id, and whether it awaits a statement."""
+        answer = self._http.post("/images", content=file, headers={"Content-Type": media_type})
+        return self._answer(answer).json()  # type: ignore[no-any-return]  # JSON
+
     def open_case(self, case: Json) -> "Case":
         """Open a case: patient_id, study_uid, position, targets (name, entry_mm, target_mm), devices by kind."""
         answer = self.post("/cases", case, headers={"Idempotency-Key": uuid4().hex})

@@ -1,5 +1,7 @@
 """The outermost layer of the web application: bounds what comes in, hardens what goes out (H31)."""
 
+from collections.abc import Mapping
+
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -18,9 +20,10 @@ _SECURITY_HEADERS = {
 class Edge:
     """ASGI middleware: who speaks, a limit on bodies, counted as they arrive, and the security headers."""
 
-    def __init__(self, app: ASGIApp, max_body_bytes: int) -> None:
+    def __init__(self, app: ASGIApp, max_body_bytes: int, larger: Mapping[str, int]) -> None:
         self._app = app
         self._max_body_bytes = max_body_bytes
+        self._larger = larger  # limits of single paths
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """One request or WebSocket."""
@@ -37,26 +40,27 @@ class Edge:
                     headers.setdefault(name, value)
             await send(message)
 
+        limit = self._larger.get(scope["path"], self._max_body_bytes)
         declared = Headers(scope=scope).get("content-length", "0")
-        if declared.isdigit() and int(declared) > self._max_body_bytes:
-            await answer_error(self._too_large(int(declared)))(scope, receive, hardened)
+        if declared.isdigit() and int(declared) > limit:
+            await answer_error(_too_large(int(declared), limit))(scope, receive, hardened)
             return
-        await self._app(scope, self._counted(receive), hardened)
+        await self._app(scope, _counted(receive, limit), hardened)
 
-    def _counted(self, receive: Receive) -> Receive:
-        received = 0
 
-        async def counted() -> Message:
-            nonlocal received
-            message = await receive()
-            received += len(message.get("body", b""))
-            if received > self._max_body_bytes:  # a chunked body declares no length
-                raise self._too_large(received)
-            return message
+def _counted(receive: Receive, limit: int) -> Receive:
+    received = 0
 
-        return counted
+    async def counted() -> Message:
+        nonlocal received
+        message = await receive()
+        received += len(message.get("body", b""))
+        if received > limit:  # a chunked body declares no length
+            raise _too_large(received, limit)
+        return message
 
-    def _too_large(self, measured: int) -> ServiceError:
-        return ServiceError(
-            ErrorCode.BODY_TOO_LARGE, "the body is too large, in bytes", measured=measured, limit=self._max_body_bytes
-        )
+    return counted
+
+
+def _too_large(measured: int, limit: int) -> ServiceError:
+    return ServiceError(ErrorCode.BODY_TOO_LARGE, "the body is too large, in bytes", measured=measured, limit=limit)

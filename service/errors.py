@@ -48,6 +48,10 @@ class ErrorCode(StrEnum):
     IMAGE_TRUNCATED = "image_truncated"
     IMAGE_TOO_SMALL = "image_too_small"
     NOT_AN_IMAGE = "not_an_image"
+    MEDIA_TYPE_UNKNOWN = "media_type_unknown"
+    IMAGE_NAMED = "image_named"
+    IMAGE_TAKEN_IN = "image_taken_in"
+    STATEMENT_OUTDATED = "statement_outdated"
     DEVICE_UNKNOWN = "device_unknown"
     DEVICE_REFUSED = "device_refused"
     DEVICE_VERSION_TAKEN = "device_version_taken"
@@ -163,6 +167,10 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.IMAGE_TRUNCATED: Answer(422, "Send the image again from the C-arm."),
     ErrorCode.IMAGE_TOO_SMALL: Answer(422, "Send the full image, not a thumbnail."),
     ErrorCode.NOT_AN_IMAGE: Answer(422, "Send an X-ray image with pixel data."),
+    ErrorCode.MEDIA_TYPE_UNKNOWN: Answer(415, "Send DICOM, PNG or TIFF, and say which in Content-Type."),
+    ErrorCode.IMAGE_NAMED: Answer(409, "Nothing: the image says itself whose it is."),
+    ErrorCode.IMAGE_TAKEN_IN: Answer(409, "Read the case again; what became of the image is in its events."),
+    ErrorCode.STATEMENT_OUTDATED: Answer(409, "Look at view and exposure of the case as it is now, then state anew."),
     ErrorCode.DEVICE_UNKNOWN: Answer(404, "Upload the device file first."),
     ErrorCode.DEVICE_REFUSED: Answer(422, "Correct the line that the message names; check its unit."),
     ErrorCode.DEVICE_VERSION_TAKEN: Answer(409, "Raise the version in the file; a stored version is never replaced."),

@@ -4,6 +4,7 @@ The shapes are those of the command line: a refusal is `{"status": "refused", "r
 """
 
 import base64
+import hashlib
 import math
 from collections.abc import Callable
 from dataclasses import asdict
@@ -36,7 +37,7 @@ from vision.result_json import (
 )
 from vision.targeting import target as aim
 from vision.two_images import Before, compare_images
-from vision.xray import XrayImage, decode
+from vision.xray import XrayImage, decode, stored_pixels
 
 Json = dict[str, Any]
 
@@ -187,6 +188,18 @@ def echo(image: bytes, registration: Json, pixel: tuple[float, float], space: st
     return {"status": "drawn"} | points | draw_point(decoded.pixels, raw_px)
 
 
+def identify(image: bytes) -> Json:
+    """The size of a PNG or TIFF and the hash of its pixels, as an uncompressed DICOM image of them has it (H02)."""
+    pixels = stored_pixels(image)
+    if isinstance(pixels, Refusal):
+        return refusal_to_json(pixels)
+    rows, columns = pixels.shape
+    values = np.ascontiguousarray(pixels, dtype=pixels.dtype.newbyteorder("<"))
+    sha256 = hashlib.sha256(values.tobytes()).hexdigest()
+    return {"status": "identified", "rows": rows, "columns": columns, "pixel_sha256": sha256}
+
+
 JOBS: dict[str, Callable[..., Json]] = {
     job.__name__: job for job in (register, annotate, handedness, target, evaluate, carm_angles, echo)
+    job.__name__: job for job in (register, annotate, target, evaluate, carm_angles, echo, identify)
 }

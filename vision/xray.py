@@ -89,6 +89,16 @@ def decode(data: bytes, frame: int | None = None) -> XrayImage | Refusal:
     return XrayImage(1.0 - pixels if inverted else pixels, bits, hashlib.sha256(data).hexdigest())
 
 
+def stored_pixels(data: bytes) -> NDArray[Any] | Refusal:
+    """The grey values (rows, columns) of a PNG or TIFF as they are stored, uint8 or uint16; refused as by `decode`."""
+    if len(data) > GREATEST_BYTES:
+        return Refusal(RefusalCode.IMAGE_TOO_LARGE, "the file's size in bytes", len(data), GREATEST_BYTES)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # as above
+        stored = _decode_picture(data, None)
+    return stored if isinstance(stored, Refusal) else stored[0]
+
+
 def _decode_picture(data: bytes, frame: int | None) -> tuple[NDArray[Any], int, bool] | Refusal:
     if frame not in (None, 1):
         return Refusal(RefusalCode.UNSUPPORTED_IMAGE, "frames are chosen in DICOM images only", frame, 1)

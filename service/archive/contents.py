@@ -44,13 +44,15 @@ def contents_of(connection: Connection, case_id: str) -> Contents:
     rows["cases"] = _read(connection, tables.cases, tables.cases.c.id == case_id, files)
     of_case = sa.select(tables.attempts.c.id).where(tables.attempts.c.case_id == case_id)
     rows["verdicts"] = _read(connection, tables.verdicts, tables.verdicts.c.attempt_id.in_(of_case), files)
+    sent = sa.select(tables.outgoing_objects.c.id).where(tables.outgoing_objects.c.case_id == case_id)
+    rows["deliveries"] = _read(connection, tables.deliveries, tables.deliveries.c.object_id.in_(sent), files)
     images = [row["image_id"] for row in rows["image_purposes"]]
     rows["images"] = _read(connection, tables.images, tables.images.c.id.in_(images), files)
     devices = set(case.devices.values())
     for event in events:
         devices |= set(event.data.get("devices", {}).values()) if event.trigger == Trigger.DEVICE_CHANGED else set()
     rows["device_files"] = _read(connection, tables.device_files, tables.device_files.c.id.in_(devices), files)
-    named = {row["sha256"] for row in rows["images"]} | {case.settings_sha256}
+    named = {row["sha256"] for row in (*rows["images"], *rows["outgoing_objects"])} | {case.settings_sha256}
     named |= {event.data[FINDINGS] for event in events if FINDINGS in event.data}
     files |= _kept(connection, named)
     return Contents({name: rows[name] for name in sorted(rows)}, files, _users(connection, rows))

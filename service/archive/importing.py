@@ -39,6 +39,7 @@ from workflow.states import OVER, State
 _OWN = {
     "attempts": {"id"},
     "verdicts": {"id", "attempt_id"},
+    "deliveries": {"id"},
     "images": {"position", "duplicate_of"},
     "device_files": {"position", "version"},
 }
@@ -127,6 +128,9 @@ def _add(connection: Connection, archive: Archive, case_id: str, rows: Rows) -> 
             elif table is tables.verdicts:
                 del values["id"]
                 add_rows(connection, table, [values | {"attempt_id": numbers[values["attempt_id"]]}])
+            elif table is tables.deliveries:
+                del values["id"]
+                add_rows(connection, table, [values])
             elif table not in _ARRIVED:
                 add_rows(connection, table, [values])
             elif not _is_kept(connection, table, values):

@@ -20,6 +20,10 @@ _WORDS = frozenset({"text", "reason", "what", "label", "abandoned", "overrides",
 _PLACES = frozenset({"station", "address", "calling_ae"})
 
 
+# For the hospital's archive, with the patient drawn and written into them.
+_REPORTS = ("outgoing_objects", "deliveries")
+
+
 class Pseudonyms:
     """Names that stand for others, made with a secret that only the workstation has."""
 
@@ -44,12 +48,15 @@ def pseudonymise(contents: Contents, signer: Signer) -> Contents:
     hashes: dict[str, str] = {}
     files: dict[str, bytes] = {}
     images = {row["sha256"] for row in contents.rows["images"]}
+    reports = {row["sha256"] for row in contents.rows["outgoing_objects"]}
     for sha256, content in contents.files.items():
+        if sha256 in reports:
+            continue
         changed = anonymous(content, pseudonyms.person, pseudonyms.uid) if sha256 in images else content
         hashes[sha256] = hashlib.sha256(changed).hexdigest()
         files[hashes[sha256]] = changed
     clean = _Cleaning(pseudonyms, hashes)
-    rows = {name: [clean.row(row) for row in some] for name, some in contents.rows.items()}
+    rows = {name: [clean.row(row) for row in some] for name, some in contents.rows.items() if name not in _REPORTS}
     users = {user_id: {**user, "name": f"{user['role']} {user_id[:8]}"} for user_id, user in contents.users.items()}
     return Contents(rows, files, users)
 

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import sqlalchemy as sa
@@ -13,7 +13,15 @@ from service.cases import store
 from service.conductor.conductor import Conductor
 from service.conductor.taking import Prepared, Standing, Taken
 from service.database import tables
-from service.images.store import NewPurpose, StoredImage, assign_purpose, read_image
+from service.errors import ErrorCode, ServiceError
+from service.images.store import (
+    NewPurpose,
+    StoredImage,
+    assign_purpose,
+    awaits_statement,
+    purpose_of,
+    read_image,
+)
 from service.motion.exposures import Exposure
 from workflow.decisions import Decision, ImageUse
 from workflow.facts import ImageArrived
@@ -24,9 +32,19 @@ _TIME = re.compile(r"([0-9]{2})([0-9]{2})([0-9]{2}(?:\.[0-9]{0,6})?)")
 _Time = tuple[str, float]
 
 
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """What a person says of an image that names nobody: the patient, and that it is of this view and exposure."""
+
+    patient_id: str
+    view_id: str | None
+    window_id: str | None
+    user_id: str
+
+
 def take_in(conductor: Conductor, image_id: str) -> Taken | None:
-    """Give an image its purpose in the open case; None if the room has none."""
-    case_id = conductor.open_case()
+    """Give an image its purpose in the open case, else in the one that is over and that it belongs to; None if none."""
+    case_id = conductor.open_case() or _late_for(conductor, image_id)
     if case_id is None:
         with conductor.parts.database.write() as connection:
             assign_purpose(connection, NewPurpose(image_id, None, ImageUse.UNASSIGNED, {}, ()))
@@ -34,11 +52,46 @@ def take_in(conductor: Conductor, image_id: str) -> Taken | None:
     return conductor.observe(case_id, Trigger.IMAGE_ARRIVED, lambda standing: _prepare(conductor, standing, image_id))
 
 
-def _prepare(conductor: Conductor, standing: Standing, image_id: str) -> Prepared:
+def take_in_stated(conductor: Conductor, case_id: str, image_id: str, statement: Statement) -> Taken:
+    """Give an image its purpose by a person's statement, in a case that is over too.
+
+    ServiceError IMAGE_UNKNOWN, IMAGE_NAMED, IMAGE_TAKEN_IN, or STATEMENT_OUTDATED where view or exposure are others.
+    """
+
+    def prepare(standing: Standing) -> Prepared:
+        _check_statement(standing, image_id, statement)
+        return _prepare(conductor, standing, image_id, statement)
+
+    return conductor.observe(case_id, Trigger.IMAGE_ARRIVED, prepare, statement.user_id)
+
+
+def _check_statement(standing: Standing, image_id: str, statement: Statement) -> None:
+    if not awaits_statement(read_image(standing.connection, image_id)):
+        raise ServiceError(ErrorCode.IMAGE_NAMED, "the image names patient, study and itself")
+    if purpose_of(standing.connection, image_id) is not None:
+        raise ServiceError(ErrorCode.IMAGE_TAKEN_IN, "what the image is for was decided already")
+    view, window = standing.case.view, standing.case.window
+    if (statement.view_id, statement.window_id) != (view and view.id, window and window.id):
+        raise ServiceError(ErrorCode.STATEMENT_OUTDATED, "the view or the requested exposure is another one now")
+
+
+def _late_for(conductor: Conductor, image_id: str) -> str | None:
+    """The newest case of the room with the image's patient and study, though it is over."""
+    cases = tables.cases.c
+    with conductor.parts.database.read() as connection:
+        image = read_image(connection, image_id)
+        same = (cases.patient_id == image.patient_id, cases.study_uid == image.study_uid)
+        query = sa.select(cases.id).where(cases.room == conductor.parts.settings.room, *same)
+        return connection.execute(query.order_by(cases.opened_at.desc()).limit(1)).scalar()
+
+
+def _prepare(conductor: Conductor, standing: Standing, image_id: str, statement: Statement | None = None) -> Prepared:
     image = read_image(standing.connection, image_id)
     window = standing.case.window
     exposure = conductor.bridge.watch.exposure_of_window(window.id) if window is not None else None
     facts = _facts(standing, image, exposure)
+    if statement is not None:
+        facts = _with_statement(standing, facts, image, statement)
 
     def assign(connection: Connection, decision: Decision) -> None:
         entered = decision.image_use in (ImageUse.REGISTRATION, ImageUse.VERIFICATION)
@@ -49,7 +102,9 @@ def _prepare(conductor: Conductor, standing: Standing, image_id: str) -> Prepare
         verdicts = tuple(asdict(verdict) for verdict in decision.verdicts)
         assign_purpose(connection, NewPurpose(image_id, standing.case.case_id, purpose, arm, verdicts))
 
-    data = {"image_id": image_id, "problem": image.problem}
+    data: dict[str, Any] = {"image_id": image_id, "problem": image.problem}
+    if statement is not None:
+        data["identity_by_statement"] = asdict(statement)
     return Prepared(facts, made={"image": image_id}, data=data, also=assign)
 
 
@@ -66,6 +121,22 @@ def _facts(standing: Standing, image: StoredImage, exposure: Exposure | None) ->
         newer_by_carm_clock=_newer(connection, image, case.id),
         moved_mm=exposure.largest.offset_mm if exposure else None,
         moved_rad=exposure.largest.angle_rad if exposure else None,
+    )
+
+
+def _with_statement(standing: Standing, facts: ImageArrived, image: StoredImage, statement: Statement) -> ImageArrived:
+    """What the image does not say itself, by the word of a person; what it says stands, and pixels must be new.
+
+    That view and exposure are the present ones was checked: a person says that the image is of now.
+    """
+    patient_id = store.read_case(standing.connection, standing.case.case_id).patient_id
+    same_patient = statement.patient_id == patient_id
+    return replace(
+        facts,
+        patient_matches=same_patient if image.patient_id is None else facts.patient_matches and same_patient,
+        study_matches=same_patient if image.study_uid is None else facts.study_matches,
+        sop_uid_unseen=facts.pixels_unseen if image.sop_uid is None else facts.sop_uid_unseen,
+        newer_by_carm_clock=True if facts.newer_by_carm_clock is None else facts.newer_by_carm_clock,
     )
 
 

@@ -52,6 +52,15 @@ class ImageAgain(Body):
     image_id: Identifier
 
 
+class StateIdentity(Body):
+    """Whose an image is that does not say so itself, and of which view and exposure: the ids in force, or none."""
+
+    image_id: Identifier
+    patient_id: Identifier
+    view_id: Identifier | None = None
+    window_id: Identifier | None = None
+
+
 class ImagePoint(Body):
     """A point tapped in an image, with the image and the grid that it is in (H08)."""
 

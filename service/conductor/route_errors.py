@@ -33,6 +33,13 @@ READING = may_fail_with(ErrorCode.CASE_UNKNOWN)
 STATING = may_fail_with(*_FACT)
 STATING_ABOUT_A_FILE = may_fail_with(*_FACT, ErrorCode.DEVICE_UNKNOWN)
 STATING_ABOUT_AN_IMAGE = may_fail_with(*_FACT, ErrorCode.IMAGE_UNKNOWN)
+STATING_AN_IDENTITY = may_fail_with(
+    ErrorCode.CASE_UNKNOWN,
+    ErrorCode.IMAGE_UNKNOWN,
+    ErrorCode.IMAGE_NAMED,
+    ErrorCode.IMAGE_TAKEN_IN,
+    ErrorCode.STATEMENT_OUTDATED,
+)
 REQUESTING = may_fail_with(*_REQUEST)
 REUSING_AN_IMAGE = may_fail_with(*_REQUEST, ErrorCode.IMAGE_UNKNOWN, *_VISION)
 CLOSING = may_fail_with(*_REQUEST, *_PIN)

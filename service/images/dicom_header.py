@@ -46,12 +46,17 @@ class DicomHeader:
 EMPTY_HEADER = DicomHeader(None, None, None, None, {})
 
 
-def read_header(content: bytes, settings: DicomSettings) -> tuple[DicomHeader, ServiceError | None]:
-    """The header, as far as it can be read, and what is wrong with the image, if anything is."""
+def read_header(
+    content: bytes, settings: DicomSettings, *, by_statement: bool = False
+) -> tuple[DicomHeader, ServiceError | None]:
+    """The header, as far as it can be read, and what is wrong with the image, if anything is.
+
+    Which image it is, where it has no UID, may be said `by_statement` of a person.
+    """
     try:
         dataset = dcmread(BytesIO(content), force=True)
         header = _header(dataset)
-        return header, _problem(dataset, header, settings)
+        return header, _problem(dataset, header, settings, by_statement)
     except Exception as error:  # noqa: BLE001  pydicom raises whatever hostile bytes lead it to
         return EMPTY_HEADER, ServiceError(ErrorCode.NOT_AN_IMAGE, f"not readable as DICOM ({type(error).__name__})")
 
@@ -71,10 +76,11 @@ def _header(dataset: Dataset) -> DicomHeader:
     )
 
 
-def _problem(dataset: Dataset, header: DicomHeader, settings: DicomSettings) -> ServiceError | None:
+def _problem(dataset: Dataset, header: DicomHeader, settings: DicomSettings, by_statement: bool) -> ServiceError | None:
     rows, columns = header.metadata.get("rows", 0), header.metadata.get("columns", 0)
     pixels = rows * columns * header.metadata["frames"]
-    if not dataset.get("PixelData") or rows <= 0 or columns <= 0 or header.sop_uid is None:
+    unnamed = header.sop_uid is None and not by_statement
+    if not dataset.get("PixelData") or rows <= 0 or columns <= 0 or unnamed:
         return ServiceError(ErrorCode.NOT_AN_IMAGE, "no SOP instance UID, no pixel data, or no size")
     if pixels > settings.max_pixels:
         return ServiceError(

@@ -63,7 +63,8 @@ def read_one_image(image_id: str, _: Reader, parts: PartsOfRoom) -> ImageView:
 def read_original(image_id: str, _: Reader, parts: PartsOfRoom) -> Response:
     """The bytes as they arrived, checked against their hash."""
     with parts.database.read() as connection:
-        return Response(store.original_bytes(connection, image_id), media_type="application/dicom")
+        media_type = store.read_image(connection, image_id).source.get("media_type", "application/dicom")
+        return Response(store.original_bytes(connection, image_id), media_type=media_type)
 
 
 @router.get(

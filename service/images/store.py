@@ -18,6 +18,8 @@ from service.images.dicom_header import DicomHeader
 from service.ledger.draft import describe
 from service.ledger.rows import add_rows
 
+AWAITS_STATEMENT = "awaits_statement"  # key in an image's source
+
 
 @dataclass(frozen=True, slots=True)
 class StoredImage:
@@ -157,10 +159,26 @@ def exposure_pose(connection: Connection, image_id: str) -> Transform:
 
 def images_without_purpose(connection: Connection) -> list[str]:
     """Ids of images that arrived while nobody could decide (a crash between), oldest first."""
+    return [image.id for image in _without_purpose(connection) if not awaits_statement(image)]
+
+
+def waiting_image(connection: Connection, content: bytes) -> StoredImage | None:
+    """The image of these bytes that waits for a person's statement; None if there is none."""
+    sha256 = hashlib.sha256(content).hexdigest()
+    waiting = (one for one in _without_purpose(connection) if one.sha256 == sha256 and awaits_statement(one))
+    return next(waiting, None)
+
+
+def awaits_statement(image: StoredImage) -> bool:
+    """Whether an image does not name patient, study and itself, so that a person must."""
+    return bool(image.source.get(AWAITS_STATEMENT))
+
+
+def _without_purpose(connection: Connection) -> list[StoredImage]:
     images, purposes = tables.images, tables.image_purposes
-    query = sa.select(images.c.id).outerjoin(purposes, purposes.c.image_id == images.c.id)
+    query = sa.select(images).outerjoin(purposes, purposes.c.image_id == images.c.id)
     rows = connection.execute(query.where(purposes.c.image_id.is_(None)).order_by(images.c.position))
-    return list(rows.scalars())
+    return [StoredImage(**row._mapping) for row in rows]
 
 
 def _first_like(connection: Connection, header: DicomHeader, sha256: str) -> str | None:

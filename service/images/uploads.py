@@ -1,0 +1,117 @@
+"""Images that come over HTTP: DICOM as from the C-arm; what names no patient waits for a person's statement."""
+
+from typing import Annotated, Any
+
+import structlog
+from fastapi import APIRouter, Depends, Header, Request
+from pydantic import BaseModel
+from sqlalchemy.engine import Connection
+from starlette.concurrency import run_in_threadpool
+
+from service.auth.dependencies import require
+from service.auth.permissions import Permission
+from service.auth.session import Session
+from service.errors import ErrorCode, ServiceError
+from service.images.dicom_header import DicomHeader, read_header
+from service.images.store import AWAITS_STATEMENT, StoredImage, add_image, waiting_image
+from service.openapi import may_fail_with
+from service.parts import Parts, parts_of
+from vision.refusal import RefusalCode
+
+router = APIRouter(tags=["images"])
+_log = structlog.get_logger(__name__)
+_DICOM = "application/dicom"
+_PICTURES = ("image/png", "image/tiff")
+_BODY: dict[str, Any] = {
+    "requestBody": {"required": True, "content": {kind: {"schema": {}} for kind in (_DICOM, *_PICTURES)}}
+}
+_UPLOADING = may_fail_with(
+    ErrorCode.MEDIA_TYPE_UNKNOWN,
+    ErrorCode.NOT_AN_IMAGE,
+    ErrorCode.IMAGE_BYTES_TOO_LARGE,
+    ErrorCode.IMAGE_TOO_SMALL,
+    ErrorCode.IMAGE_TRUNCATED,
+    RefusalCode.UNREADABLE_IMAGE,
+    RefusalCode.UNSUPPORTED_IMAGE,
+    RefusalCode.IMAGE_TOO_LARGE,
+    ErrorCode.VISION_DEADLINE,
+    ErrorCode.VISION_CRASHED,
+    ErrorCode.VISION_OUT_OF_MEMORY,
+)
+
+
+class UploadAnswer(BaseModel):
+    """The image as it is stored; whether a person must state whose it is before it enters a case."""
+
+    id: str
+    sha256: str
+    pixel_sha256: str | None
+    duplicate_of: str | None
+    awaits_statement: bool
+
+
+@router.post("/images", status_code=201, openapi_extra=_BODY | _UPLOADING)
+async def upload_image(
+    request: Request,
+    session: Annotated[Session, Depends(require(Permission.EXPOSE))],
+    parts: Annotated[Parts, Depends(parts_of)],
+    content_type: Annotated[str, Header()] = "",
+) -> UploadAnswer:
+    """Store one image, the body of the request; what is no usable image is refused and not kept.
+
+    DICOM with its UIDs goes the way of one from the C-arm. PNG, TIFF and DICOM without them wait for
+    `image-identity-stated`; the same bytes sent again while they wait are the same image.
+    """
+    kind = content_type.partition(";")[0].strip().lower()
+    content = await request.body()
+    header = await _header(parts, kind, content)
+    source = {"uploaded_by": session.user_id, "media_type": kind}
+    image = await run_in_threadpool(_store, parts, content, header, source)
+    return UploadAnswer(
+        id=image.id,
+        sha256=image.sha256,
+        pixel_sha256=image.pixel_sha256,
+        duplicate_of=image.duplicate_of,
+        awaits_statement=_awaits_statement(header),
+    )
+
+
+async def _header(parts: Parts, kind: str, content: bytes) -> DicomHeader:
+    if kind in _PICTURES:
+        return _picture_header(await parts.vision.run("identify", content))
+    if kind != _DICOM:
+        allowed = ", ".join((_DICOM, *_PICTURES))
+        raise ServiceError(ErrorCode.MEDIA_TYPE_UNKNOWN, "no image is of this type", measured=kind, limit=allowed)
+    header, problem = await run_in_threadpool(read_header, content, parts.settings.dicom, by_statement=True)
+    if problem is not None:
+        raise problem
+    return header
+
+
+def _picture_header(found: dict[str, Any]) -> DicomHeader:
+    if found["status"] == "refused":
+        reason = found["reason"]
+        raise ServiceError(reason["code"], reason["message"], measured=reason["measured"], limit=reason["limit"])
+    metadata = {"rows": found["rows"], "columns": found["columns"], "frames": 1}
+    return DicomHeader(None, None, None, found["pixel_sha256"], metadata)
+
+
+def _store(parts: Parts, content: bytes, header: DicomHeader, source: dict[str, Any]) -> StoredImage:
+    waits = _awaits_statement(header)
+    with parts.database.write() as connection:
+        image = waiting_image(connection, content) if waits else None
+        if image is None:
+            image = _add(connection, content, header, source | ({AWAITS_STATEMENT: True} if waits else {}))
+    if not waits:
+        parts.arrivals.announce(image.id)
+    return image
+
+
+def _add(connection: Connection, content: bytes, header: DicomHeader, source: dict[str, Any]) -> StoredImage:
+    image = add_image(connection, content, header, None, source)
+    _log.info("image_uploaded", image_id=image.id, duplicate=image.duplicate_of is not None)
+    return image
+
+
+def _awaits_statement(header: DicomHeader) -> bool:
+    return None in (header.sop_uid, header.patient_id, header.study_uid)
