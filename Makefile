@@ -10,6 +10,8 @@ export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
 .PHONY: help demo run test check tests test-postgresql audit-bench bench bench-service bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock
+.PHONY: help demo run test check tests test-postgresql audit-bench bench bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock
+.PHONY: help demo run test check tests test-postgresql audit-bench replay-bench bench samples scenes two-images faulted side-by-side tcp format docs lock
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -79,6 +81,9 @@ faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong ea
 
 audit-bench: $(VENV)/.runtime  ## how fast the ledger is written, verified (COUNT=20000 entries) and read (PAGES=1000000)
 	$(BIN)/python benchmarks/audit.py --count $(or $(COUNT),20000) --pages $(or $(PAGES),1000000)
+
+replay-bench: $(VENV)/.runtime  ## how fast CASES=40 past cases are replayed by 1, 2, ... WORKERS processes
+	$(BIN)/python -m benchmarks.replay --cases $(or $(CASES),40) $(if $(WORKERS),--workers $(WORKERS))
 
 side-by-side: $(BENCH_VENV)/.ready  ## other methods on the same images and rooms: COUNT=6 images a group, ROOMS=20; plots to FOLDER
 	$(BENCH_VENV)/bin/python -m benchmarks.side_by_side --count $(or $(COUNT),6) --rooms $(or $(ROOMS),20) \
