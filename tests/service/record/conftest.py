@@ -19,6 +19,8 @@ from benchmarks import recorded_cases
 from service import vision_jobs
 from service.auth.permissions import Role
 from service.auth.users import UserStore
+from service.cases import store
+from service.cases.records import NewEvent
 from service.database.current import current_database
 from service.settings import Settings
 from workflow.states import State
@@ -72,6 +74,10 @@ def make_site(results: recorded_cases.Results) -> Callable[..., Site]:
             for state in states:
                 with database.write() as connection:
                     case_id = recorded_cases.record(connection, settings, surgeon.id, results, state)
+            with database.write() as connection:  # an entry behind the signature of the closing
+                last = store.newest_event(connection, case_id)
+                note = NewEvent("note", surgeon.id, last.state, last.case_state, {"text": "seen"}, changes_state=False)
+                store.append(connection, case_id, note, expected_version=None)
         return Site(folder, case_id)
 
     return make

@@ -83,10 +83,10 @@ def test_another_key_is_not_believed(kept_archive, tmp_path) -> None:
     assert "manifest.json: signed by an unknown key" in result.stdout
 
 
-def test_the_same_case_gives_the_same_file(kept_archive, site, tmp_path) -> None:
+def test_the_same_case_gives_the_same_file(site, tmp_path) -> None:
     first = _export(site.folder, site.case_id, tmp_path / "first.zip")
     again = _export(site.folder, site.case_id, tmp_path / "again.zip")
-    assert first.read_bytes() == again.read_bytes() == kept_archive.read_bytes()
+    assert first.read_bytes() == again.read_bytes()
 
 
 def test_the_archive_holds_the_images_as_they_arrived(kept_archive, results) -> None:
@@ -112,7 +112,7 @@ def _flip(name: str, place: int) -> Callable[[dict[str, bytes]], object]:
 @pytest.mark.parametrize(
     ("change", "where"),
     [
-        (_flip("files/", 5000), "files/"),
+        (_flip("files/", 100), "files/"),
         (_flip("rows/registrations", 700), "rows/registrations.jsonl"),
         (_flip("ledger/entries", 300), "ledger/entries.jsonl"),
         (_flip("manifest.json", 20), "manifest.json"),
@@ -236,7 +236,7 @@ def test_a_case_that_is_there_with_other_content_is_refused(kept_archive, site) 
 
 def test_an_unsound_archive_is_not_imported(rewritten, elsewhere) -> None:
     before = _counts(elsewhere.data_folder)
-    result = _run("import", rewritten(_flip("files/", 5000)), "--data-folder", elsewhere.data_folder)
+    result = _run("import", rewritten(_flip("files/", 100)), "--data-folder", elsewhere.data_folder)
     assert (result.exit_code, _counts(elsewhere.data_folder)) == (3, before)
     assert "archive_refused" in result.stderr
 
