@@ -22,7 +22,7 @@ class Permission(StrEnum):
     CLOSE_CASE = "close_case"
     STATE_FACT = "state_fact"  # the C-arm, the patient or the arm moved; what is in the guide
     POSITION_CARM = "position_carm"
-    EXPOSE = "expose"  # request an exposure, retake, reuse an image
+    EXPOSE = "expose"  # request an exposure, retake, reuse or upload an image
     TARGET = "target"
     PLAN = "plan"
     APPROVE = "approve"  # permits, insertion, acknowledgement

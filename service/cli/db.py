@@ -1,20 +1,13 @@
 """`coaxial db`: bring the database up to date, back it up, restore it. Exit status: 0 done, 3 refused."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-if TYPE_CHECKING:
-    from service.settings import Settings
+from service.cli.site import ConfigOption, DataFolderOption, site_settings
 
 db = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True)
-
-_REFUSED = 3
-ConfigOption = Annotated[Path | None, typer.Option(help="Settings file (TOML); COAXIAL_ variables win.")]
-DataFolderOption = Annotated[Path | None, typer.Option(help="Where the database is kept.")]
 
 
 @db.callback()
@@ -33,7 +26,7 @@ def upgrade(
     from service.database.migrate import version_of
     from service.database.rights import grant_rights
 
-    with _settings(config, data_folder) as settings, current_database(settings) as database:
+    with site_settings(config, data_folder) as settings, current_database(settings) as database:
         if role is not None:
             with database.write() as connection:
                 grant_rights(connection, role)
@@ -47,7 +40,7 @@ def backup(file: Path, config: ConfigOption = None, data_folder: DataFolderOptio
     from service.database.backup import back_up
     from service.database.current import current_database
 
-    with _settings(config, data_folder) as settings, current_database(settings) as database:
+    with site_settings(config, data_folder) as settings, current_database(settings) as database:
         with database.write() as connection:
             record_audit(connection, "backed_up", None, {"file": file.name})
         back_up(database, file)
@@ -60,7 +53,7 @@ def restore(file: Path, config: ConfigOption = None, data_folder: DataFolderOpti
     from service.database.backup import restore as bring_back
     from service.database.engines import open_database
 
-    with _settings(config, data_folder) as settings:
+    with site_settings(config, data_folder) as settings:
         settings.data_folder.mkdir(parents=True, exist_ok=True)
         database = open_database(settings.database_url)
         try:
@@ -68,15 +61,3 @@ def restore(file: Path, config: ConfigOption = None, data_folder: DataFolderOpti
         finally:
             database.close()
         typer.echo(f"restored from {file}")
-
-
-@contextmanager
-def _settings(config: Path | None, data_folder: Path | None) -> "Iterator[Settings]":
-    from service.errors import ServiceError, answer_for
-    from service.settings import load_settings
-
-    try:
-        yield load_settings(config, {} if data_folder is None else {"data_folder": data_folder})
-    except ServiceError as error:
-        typer.echo(f"{error.code}: {error.message}. {answer_for(error.code).what_to_do}", err=True)
-        raise typer.Exit(_REFUSED) from error

@@ -67,8 +67,8 @@ def results() -> recorded_cases.Results:
 
 @pytest.fixture(scope="session")
 def make_site(results: recorded_cases.Results) -> Callable[..., Site]:
-    def make(folder: Path, *states: State) -> Site:
-        settings = Settings(data_folder=folder, min_free_bytes=0)
+    def make(folder: Path, *states: State, **more: Any) -> Site:
+        settings = Settings(data_folder=folder, min_free_bytes=0, **more)
         with current_database(settings) as database:
             surgeon = UserStore(database, PasswordHasher(1, 8, 1)).add("anna", Role.SURGEON, "correct horse", "2468")
             for state in states:

@@ -17,6 +17,7 @@ from service.archive import exporting, importing
 from service.archive.checking import check_file
 from service.archive.container import open_archive
 from service.auth.permissions import Role
+from service.cases import store
 from service.cli.audit import audit
 from service.cli.case import case
 from service.database.current import current_database
@@ -217,6 +218,20 @@ def test_a_case_comes_back_elsewhere_with_its_ids_and_replays_equal(kept_archive
     assert check_file(again, {}).findings == []
 
 
+def test_a_case_crosses_between_kinds_of_database(make_site, elsewhere, postgresql, tmp_path) -> None:
+    with postgresql.migrated(tmp_path) as address:
+        there = make_site(tmp_path / "there", State.CLOSED, database_url=address)
+        settings = there.settings.model_copy(update={"database_url": address})
+        with current_database(settings) as database:
+            out = tmp_path / "case.zip"
+            exporting.export_case(database, database.signer, there.case_id, None, out, pseudonymised=False)
+            assert check_file(out, {}).findings == []
+            assert importing.import_case(database, settings, out, {}) == (there.case_id, False)
+        with current_database(elsewhere) as database:
+            assert importing.import_case(database, elsewhere, out, {}) == (there.case_id, True)
+            exporting.export_case(database, database.signer, there.case_id, None, out, pseudonymised=False)
+
+
 def test_importing_twice_changes_nothing(kept_archive, elsewhere) -> None:
     folder = elsewhere.data_folder
     assert "is here" in _run("import", kept_archive, "--data-folder", folder).stdout
@@ -248,7 +263,7 @@ def test_a_case_that_was_under_way_is_held_where_it_is_brought_to(make_site, els
     with current_database(elsewhere) as database:
         assert importing.import_case(database, elsewhere, archive, {}) == (live.case_id, True)
         with database.read() as connection:
-            last = importing.store.newest_event(connection, live.case_id)
+            last = store.newest_event(connection, live.case_id)
             assert (last.state, last.trigger, last.case_state["target"]) == (State.SAFE_HOLD, "restarted", None)
     other = make_site(tmp_path / "other", State.REGISTERED)
     second = _export(other.folder, other.case_id, tmp_path / "other.zip")
