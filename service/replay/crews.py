@@ -36,12 +36,12 @@ def on_this_machine(workers: int) -> Iterator[Crew]:
 
 @contextmanager
 def on_a_cluster(address: str) -> Iterator[Crew]:
-    """The workers of a Dask scheduler; ServiceError CLUSTER_UNAVAILABLE without it, or without `distributed`."""
+    """The workers of a Dask scheduler; ServiceError CLUSTER_UNAVAILABLE, or EXTRA_MISSING without `distributed`."""
     try:
         import distributed
     except ImportError as error:
         message = "a cluster needs the extra `cluster` (pip install 'coaxial[cluster]')"
-        raise ServiceError(ErrorCode.CLUSTER_UNAVAILABLE, message) from error
+        raise ServiceError(ErrorCode.EXTRA_MISSING, message) from error
     try:
         client: Any = distributed.Client(address, timeout=_CONNECT_S)  # type: ignore[no-untyped-call]  # has no types
     except (OSError, ValueError) as error:
