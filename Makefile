@@ -12,6 +12,7 @@ export OPENBLAS_NUM_THREADS := 1
 .PHONY: help demo run test check tests test-postgresql audit-bench bench bench-service bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock
 .PHONY: help demo run test check tests test-postgresql audit-bench bench bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock
 .PHONY: help demo run test check tests test-postgresql audit-bench replay-bench bench samples scenes two-images faulted side-by-side tcp format docs lock
+.PHONY: help demo run test check tests test-postgresql audit-bench replay-bench bench bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
