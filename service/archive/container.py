@@ -14,6 +14,7 @@ from service.ledger.keys import Signer
 
 MANIFEST, SIGNATURE, KEY = "manifest.json", "manifest.sig", "public-key.pem"
 SIGNED_APART = (MANIFEST, SIGNATURE, KEY)
+_SAID = frozenset({"case_id", "key", "members", "pseudonymised"})
 _DATE = (1980, 1, 1, 0, 0, 0)  # the first that a zip can say: when it was written is no part of the record
 _RIGHTS = 0o644 << 16
 
@@ -72,8 +73,8 @@ class Archive:
     def manifest(self) -> dict[str, Any]:
         """What the archive says of itself; ServiceError ARCHIVE_REFUSED."""
         objects = self.objects(MANIFEST)
-        if len(objects) != 1 or not isinstance(objects[0].get("members"), dict):
-            raise ServiceError(ErrorCode.ARCHIVE_REFUSED, f"{MANIFEST} lists no members")
+        if len(objects) != 1 or not _SAID <= objects[0].keys() or not isinstance(objects[0]["members"], dict):
+            raise ServiceError(ErrorCode.ARCHIVE_REFUSED, f"{MANIFEST} does not say what this is")
         return objects[0]
 
 
@@ -81,7 +82,8 @@ class Archive:
 def open_archive(path: Path) -> Iterator[Archive]:
     """Open an archive; ServiceError ARCHIVE_REFUSED where it is none."""
     try:
-        with zipfile.ZipFile(path) as file:
-            yield Archive(file)
+        file = zipfile.ZipFile(path)
     except (OSError, zipfile.BadZipFile, ValueError) as error:
         raise ServiceError(ErrorCode.ARCHIVE_REFUSED, f"{path.name} is no archive of a case") from error
+    with file:
+        yield Archive(file)

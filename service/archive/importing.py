@@ -13,6 +13,7 @@ from typing import Any
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
+from sqlalchemy.exc import IntegrityError
 
 from service.archive.checking import check_archive
 from service.archive.container import MANIFEST, Archive, open_archive
@@ -43,8 +44,6 @@ _OWN = {
     "images": {"position", "duplicate_of"},
     "device_files": {"position", "version"},
 }
-
-
 _ARRIVED = (tables.images, tables.device_files)
 _BEFORE_ALL = 1_000_000_000  # more than ever arrive, within what PostgreSQL's integer holds
 
@@ -64,8 +63,11 @@ def import_case(
             if _is_here(connection, case_id, rows):
                 return case_id, False
             _refuse_second_case(connection, rows)
-            _add(connection, archive, case_id, rows)
-            _hold(connection, settings, case_id)
+            try:
+                _add(connection, archive, case_id, rows)
+                _hold(connection, settings, case_id)
+            except (KeyError, TypeError, ValueError, IntegrityError) as error:  # sound by itself, and no case of ours
+                raise ServiceError(ErrorCode.ARCHIVE_REFUSED, "its rows do not fit into a database") from error
             record_audit(connection, IMPORTED, None, _origin(archive))
             describe(connection, action=IMPORTED, case_id=case_id)
         return case_id, True
@@ -116,8 +118,9 @@ def _lines(name: str, rows: list[Row]) -> list[bytes]:
 def _add(connection: Connection, archive: Archive, case_id: str, rows: Rows) -> None:
     files = {name.removeprefix("files/").partition(".")[0]: name for name in archive.names if name.startswith("files/")}
     add_missing_people(connection, archive.objects("users.json")[0], case_id)
-    for name in files.values():
-        keep_bytes(connection, archive.read(name))
+    inline = {one["sha256"] for some in rows.values() for row in some for one in row.values() if isinstance(one, dict)}
+    for sha256 in sorted(files.keys() - inline):
+        keep_bytes(connection, archive.read(files[sha256]))
     numbers: dict[int, int] = {}  # of attempts there and here
     for table in tables.metadata.sorted_tables:
         some = sorted(rows.get(table.name, []), key=lambda row: row.get("position", 0))  # the first of duplicates first
