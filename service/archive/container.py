@@ -73,7 +73,7 @@ class Archive:
     def manifest(self) -> dict[str, Any]:
         """What the archive says of itself; ServiceError ARCHIVE_REFUSED."""
         objects = self.objects(MANIFEST)
-        if len(objects) != 1 or not _SAID <= objects[0].keys() or not isinstance(objects[0]["members"], dict):
+        if len(objects) != 1 or not objects[0].keys() >= _SAID or not isinstance(objects[0]["members"], dict):
             raise ServiceError(ErrorCode.ARCHIVE_REFUSED, f"{MANIFEST} does not say what this is")
         return objects[0]
 
