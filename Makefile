@@ -9,10 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests test-postgresql audit-bench bench bench-service bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock
-.PHONY: help demo run test check tests test-postgresql audit-bench bench bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock
-.PHONY: help demo run test check tests test-postgresql audit-bench replay-bench bench samples scenes two-images faulted side-by-side tcp format docs lock
-.PHONY: help demo run test check tests test-postgresql audit-bench replay-bench bench bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock
+.PHONY: help demo run test check tests test-postgresql audit-bench bench bench-service bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock replay-bench
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12

@@ -103,7 +103,13 @@ def compute(settings: Settings) -> Results:
     goal = np.array(plan["base_from_goal"])
     second = _image(source_from_guide @ np.array(targeting["guide_from_goal"]), 2)
     moved = motion_between(start, goal).tolist()
-    before = {"image": first, "registration": registration, "before_from_after": moved, "errors": errors}
+    before = {
+        "image": first,
+        "registration": registration,
+        "before_from_after": moved,
+        "errors": errors,
+        "handedness_proved": False,
+    }
     evaluation = vision_jobs.evaluate(second, guide, carm, _TARGET_PX, _DEPTH_MM, before)
     asked = {"requested": wanted.model_dump(mode="json", exclude_none=True)}
     return Results((first, second), (start, goal), registration, targeting, plan, lift | asked, evaluation)

@@ -199,7 +199,5 @@ def identify(image: bytes) -> Json:
     return {"status": "identified", "rows": rows, "columns": columns, "pixel_sha256": sha256}
 
 
-JOBS: dict[str, Callable[..., Json]] = {
-    job.__name__: job for job in (register, annotate, handedness, target, evaluate, carm_angles, echo)
-    job.__name__: job for job in (register, annotate, target, evaluate, carm_angles, echo, identify)
-}
+_JOBS = (register, annotate, handedness, target, evaluate, carm_angles, echo, identify)
+JOBS: dict[str, Callable[..., Json]] = {job.__name__: job for job in _JOBS}

@@ -81,7 +81,8 @@ async def prove_by_nudge(conductor: "Conductor", case_id: str, image_id: str, er
     if result["status"] == "registered":
         conductor.proved.remember(nudged.connection)
         result["nudge"] |= {"first_image_id": nudged.first_id}
-    return result
+        return result
+    return result | {"first_image_id": nudged.first_id}
 
 
 def _nudged(conductor: "Conductor", case_id: str, image_id: str) -> _Nudged | None:

@@ -136,6 +136,7 @@ async def _until_free(record: Callable[[], object], image_id: str) -> None:
 def _refused(facts: RegistrationRefused | VerificationRefused, result: Json) -> Prepared:
     """A refused image; the picture of what was found in it, where image work came to one, commits with the refusal."""
     data = {"image_id": facts.image_id, "reason": result["reason"]}
+    data |= {name: result[name] for name in ("first_image_id",) if name in result}  # of a nudge
     encoded = result.get("findings_png_base64")
     if encoded is None:
         return Prepared(facts, data=data)

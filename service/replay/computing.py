@@ -21,6 +21,7 @@ from service.conductor.bodies import RequestPlan
 from service.conductor.goals import Goal, goal_asked_for, goal_at_target
 from service.conductor.plan_content import plan_content
 from service.devices.store import DeviceKind
+from service.errors import ServiceError
 from service.motion_errors import motion_errors
 from service.replay.comparing import differences
 from service.replay.inputs import (
@@ -67,6 +68,7 @@ class _Anew:
     case: CaseInput
     registrations: dict[str, Json] = field(default_factory=dict)
     targets: dict[str, Json] = field(default_factory=dict)
+    nudged: bool = False
     counted: dict[type, int] = field(
         default_factory=lambda: dict.fromkeys((Registered, Targeted, Planned, Evaluated), 0)
     )
@@ -76,7 +78,7 @@ class _Anew:
         self.counted[type(step)] += 1
         try:
             yield from self._compare(step)
-        except (_NotComputedError, ValueError, KeyError) as error:
+        except (_NotComputedError, ServiceError, ValueError, KeyError) as error:
             # Whatever an altered record leads a computation to is a difference, not the end of the replay.
             yield Difference(step.where, "", "a result", f"not to be computed: {error}")
 
@@ -101,7 +103,20 @@ class _Anew:
 
     def _register(self, step: Registered) -> Json:
         guide, carm = (self._device(step, kind) for kind in (DeviceKind.GUIDE, DeviceKind.CARM))
-        return vision_jobs.register(self.case.images[step.image_id].content, guide, carm)
+        image, first_id = self._image(step).content, step.first_image_id
+        if first_id is None:
+            return vision_jobs.register(image, guide, carm, self._proved(step))
+        moved = motion_between(self._pose(first_id), self._pose(step.image_id)).tolist()
+        first = self.case.images[first_id].content
+        result = vision_jobs.handedness(first, image, guide, carm, moved, self._errors(step))
+        if result["status"] == "registered":
+            self.nudged = True
+            result["nudge"] |= {"first_image_id": first_id}
+        return result
+
+    def _proved(self, step: Registered | None) -> bool:
+        """Whether a nudge had proved by then that nothing mirrors: as the result says, or as one before it did."""
+        return self.nudged or (step is not None and step.recorded.get("handedness_by") == "nudge")
 
     def _target(self, step: Targeted) -> Json:
         registration = _came_out(self.registrations, step.registration_id)
@@ -137,6 +152,7 @@ class _Anew:
             "registration": _came_out(self.registrations, target.registration_id),
             "before_from_after": motion_between(self._pose(target.image_id), self._pose(step.image_id)).tolist(),
             "errors": self._errors(step),
+            "handedness_proved": self._proved(step.registration),
         }
         content, pixel, depth_mm = self._image(step).content, _pixel(target.recorded), _depth_mm(target.recorded)
         result = vision_jobs.evaluate(content, guide, carm, pixel, depth_mm, before)

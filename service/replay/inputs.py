@@ -30,11 +30,12 @@ class Image:
 
 @dataclass(frozen=True, slots=True)
 class Registered:
-    """A registration, or its refusal (which has no id)."""
+    """A registration, or its refusal (which has no id); `first_image_id` where a nudge between two images proved it."""
 
     where: str
     id: str | None
     image_id: str
+    first_image_id: str | None
     devices: Mapping[str, str]
     recorded: Json
 

@@ -9,7 +9,7 @@ from sqlalchemy.engine import Connection
 
 from service.cases import store
 from service.database import tables
-from service.replay.inputs import CaseInput, Difference, Image, Step
+from service.replay.inputs import CaseInput, Difference, Image, Registered, Step
 from service.replay.steps import steps_of
 from service.settings import Settings
 
@@ -31,7 +31,8 @@ def read_input(connection: Connection, case_id: str, current: Settings) -> CaseI
 
 
 def _images(steps: Sequence[Step]) -> set[str]:
-    return {step.image_id for step in steps if step.image_id is not None}
+    first = {step.first_image_id for step in steps if isinstance(step, Registered)}
+    return {image_id for image_id in first | {step.image_id for step in steps} if image_id is not None}
 
 
 @dataclass(slots=True)

@@ -67,7 +67,8 @@ class _Walk:
             image_id = str(artefact.columns["image_id"])
             start = self._start(image_id)
             where = f"registrations {artefact.id}"
-            registered = Registered(where, artefact.id, image_id, start.devices, dict(artefact.content))
+            first_id = artefact.content.get("nudge", {}).get("first_image_id")
+            registered = Registered(where, artefact.id, image_id, first_id, start.devices, dict(artefact.content))
             evaluation = evaluations.get(artefact.id)
             yield registered if evaluation is None else _evaluated(registered, evaluation, start)
 
@@ -75,7 +76,8 @@ class _Walk:
         image_id, where = event.data["image_id"], f"events {event.case_id}/{event.sequence}"
         start, recorded = self._start(image_id), {"status": "refused", "reason": dict(event.data["reason"])}
         if event.data["told_as"] == Trigger.REGISTRATION_REFUSED:
-            return Registered(where, None, image_id, start.devices, recorded)
+            first_id = event.data.get("first_image_id")
+            return Registered(where, None, image_id, first_id, start.devices, recorded)
         return Evaluated(where, None, image_id, start.target_id, start.devices, recorded)
 
     def _start(self, image_id: str) -> _Start:

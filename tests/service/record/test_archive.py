@@ -169,7 +169,7 @@ def _alter(name: str, column: str, value: Any) -> Callable[[dict[str, list[Any]]
         (_drop("rows/events.jsonl", 2), "not one after another"),
         (_drop("ledger/entries.jsonl", -1), "the end was cut off"),
         (_drop("ledger/entries.jsonl", 0), "no entry vouches for it"),
-        (_drop("ledger/checkpoints.jsonl", 0), "the end was cut off"),
+        (_drop("ledger/checkpoints.jsonl", -1), "the end was cut off"),
         (_alter("ledger/checkpoints.jsonl", "signature", "00"), "checkpoint"),
         (_alter("ledger/entries.jsonl", "sha256", "0" * 64), "its text has not its hash"),
     ],
