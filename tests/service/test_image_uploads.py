@@ -205,22 +205,27 @@ def test_nobody_but_those_who_expose_uploads(running) -> None:
         assert answer.status_code == status
 
 
-def test_late_images_attach_to_the_case_that_is_over(surgeon, device_files, make_xray) -> None:
+_CLOSING = {"pin": "2468", "abandoned": {"L3 left": "narrow pedicle"}}
+
+
+@pytest.mark.parametrize(("end", "said"), [("case-aborted", {"reason": "over"}), ("case-closed", _CLOSING)])
+def test_late_images_attach_to_the_case_that_is_over(surgeon, device_files, make_xray, end, said) -> None:
     for kind, content in device_files.items():
         surgeon.upload_device(kind, content.encode())
-    case = surgeon.open_case(_CASE | {"study_uid": "1.2.77"})
-    case.command("case-aborted", reason="over")
-    state = case.status()["state"]
+    study, seed = f"1.2.{len(end)}{len(said)}", 60 + 10 * len(said)
+    case = surgeon.open_case(_CASE | {"study_uid": study})
+    case.command("guide-state-stated", guide="empty")
+    state = case.command(end, **said)["state"]
     sent = surgeon.upload_image(
-        "application/dicom", make_xray(rows=256, columns=300, seed=61, StudyInstanceUID="1.2.77")
+        "application/dicom", make_xray(rows=256, columns=300, seed=seed, StudyInstanceUID=study)
     )
     assert _arrival(case, sent["id"])["state"] == state
     assert surgeon.image(sent["id"])["case_id"] == case.id
-    stated = surgeon.upload_image("image/png", _picture(_grey(62)))
+    stated = surgeon.upload_image("image/png", _picture(_grey(seed + 1)))
     answer = case.command("image-identity-stated", image_id=stated["id"], patient_id="P1")
     assert answer["state"] == state
     assert case.status()["images"] == 2
-    foreign = surgeon.upload_image("application/dicom", make_xray(rows=256, columns=300, seed=63, PatientID="P9"))
+    foreign = surgeon.upload_image("application/dicom", make_xray(rows=256, columns=300, seed=seed + 2, PatientID="P9"))
     for _ in range(200):
         if surgeon.image(foreign["id"])["purpose"]:
             break
