@@ -52,14 +52,18 @@ class ChainCheck:
         return entry
 
     def _follow(self, entry: Entry, repeated: list[Any], reached_at: str) -> None:
-        where, find = f"entry {repeated[0]}", self._verification.find
-        if entry.get("previous") != self._before.sha256:
-            find(where, "does not follow the entry before it: one of the two is not what was written")
+        before, expected = self._before, str(entry.get("recorded_at"))
+        if expected < before.reached_at:
+            expected = before.reached_at
+        if entry.get("previous") != before.sha256:
+            self._find(repeated, "does not follow the entry before it: one of the two is not what was written")
         if [entry.get(name) for name in _REPEATED] != repeated:
-            find(where, "a column that repeats its text says otherwise: changed")
-        expected = max(self._before.reached_at, str(entry.get("recorded_at")))
+            self._find(repeated, "a column that repeats its text says otherwise: changed")
         if reached_at != expected:
-            find(where, f"reached_at is {reached_at} instead of {expected}: changed")
+            self._find(repeated, f"reached_at is {reached_at} instead of {expected}: changed")
+
+    def _find(self, repeated: list[Any], what: str) -> None:
+        self._verification.find(f"entry {repeated[0]}", what)
 
 
 def _before(connection: Connection, first: int) -> Head:
@@ -74,4 +78,20 @@ def _parsed(text: Any) -> Entry | None:
         entry = orjson.loads(text)
     except (ValueError, TypeError):
         return None
-    return entry if isinstance(entry, dict) and isinstance(entry.get("rows"), dict) else None
+    return entry if isinstance(entry, dict) and _has_shape(entry) else None
+
+
+def _has_shape(entry: Entry) -> bool:
+    """Whether it has a number, and rows as everything behind this relies on: else a changed text would end the walk."""
+    rows = entry.get("rows")
+    if not isinstance(entry.get("sequence"), int) or not isinstance(rows, dict):
+        return False
+    return all(isinstance(some, list) and all(map(_vouches, some)) for some in rows.values())
+
+
+def _vouches(one: Any) -> bool:
+    """A key and a hash."""
+    match one:
+        case [[str() | int(), *more], str()]:
+            return all(isinstance(part, str | int) for part in more)
+    return False

@@ -39,12 +39,13 @@ class Verifier:
         return self.key.public_bytes(Encoding.PEM, PublicFormat.SubjectPublicKeyInfo).decode()
 
     def confirms(self, text: str, signature: str) -> bool:
-        """Whether this key has signed the text."""
+        """Whether this key has signed the text, and the signature is written as it was: in small letters alone."""
         try:
-            self.key.verify(bytes.fromhex(signature), text.encode())
+            raw = bytes.fromhex(signature)
+            self.key.verify(raw, text.encode())
         except (InvalidSignature, ValueError):
             return False
-        return True
+        return raw.hex() == signature
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,9 @@ missing ones at the end are left out: a column that a later version adds behind 
 """
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
+from operator import itemgetter
 from typing import Any
 
 import orjson
@@ -67,9 +68,14 @@ def key_columns(table: sa.Table) -> tuple[sa.Column[Any], ...]:
 
 
 @cache
-def _key_places(table: sa.Table) -> tuple[int, ...]:
+def key_reader(table: sa.Table) -> Callable[[Row], Key]:
+    """What finds the key in a row: verification calls it for every row of the record."""
     names = [column.name for column in table.columns]
-    return tuple(names.index(column.name) for column in key_columns(table))
+    places = [names.index(column.name) for column in key_columns(table)]
+    if len(places) > 1:
+        return itemgetter(*places)
+    (place,) = places
+    return lambda row: (row[place],)
 
 
 @cache
@@ -80,7 +86,7 @@ def _last_key_place(table: sa.Table) -> int:
 
 def key_of(table: sa.Table, row: Row) -> Key:
     """The values that name a row or its group."""
-    return tuple(row[place] for place in _key_places(table))
+    return key_reader(table)(row)
 
 
 def digest(table: sa.Table, rows: Sequence[Row]) -> str:

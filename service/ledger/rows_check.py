@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
@@ -9,8 +10,10 @@ from sqlalchemy.engine import Connection
 from service.database import tables
 from service.ledger.chain_check import Entry
 from service.ledger.findings import Verification
-from service.ledger.rows import Key, Row, digest, key_columns, key_of, stored_columns
+from service.ledger.rows import Key, Row, digest, key_columns, key_reader, stored_columns
 
+# Ranges in one query: SQLite nests no deeper than 1000, and each costs a little to prepare.
+_RUNS = 200
 TABLES = {table.name: table for table in tables.RECORDS}
 
 
@@ -47,20 +50,27 @@ class RowsCheck:
         query = sa.select(*stored_columns(table, self._connection.dialect.name)).where(_among(table, keys))
         # The driver's own tuples: these are the raw values, and to wrap them takes longer than to hash them.
         found: dict[Key, list[Row]] = defaultdict(list)
+        read_key = key_reader(table)
         for row in self._connection.execute(query).cursor.fetchall():
-            found[key_of(table, row)].append(row)
+            found[read_key(row)].append(row)
         return found
 
 
 def _among(table: sa.Table, keys: list[Key]) -> sa.ColumnElement[bool]:
     """The rows of these keys; numbers were given one after another, so that a range is all of them."""
     columns = key_columns(table)
-    if len(columns) > 1:
-        return sa.tuple_(*columns).in_(keys)
-    values = [key[0] for key in keys]
-    if all(isinstance(value, int) for value in values):
-        return columns[0].between(min(values), max(values))
-    return columns[0].in_(values)
+    if all(isinstance(key[-1], int) for key in keys):
+        runs: dict[Key, list[int]] = defaultdict(list)
+        for key in keys:
+            runs[key[:-1]].append(key[-1])
+        if len(runs) <= _RUNS:
+            return sa.or_(*(_in_run(columns, *run) for run in runs.items()))
+    return sa.tuple_(*columns).in_(keys) if len(columns) > 1 else columns[0].in_([key[0] for key in keys])
+
+
+def _in_run(columns: tuple[sa.Column[Any], ...], group: Key, numbers: list[int]) -> sa.ColumnElement[bool]:
+    alike = (column == value for column, value in zip(columns, group, strict=False))
+    return sa.and_(*alike, columns[-1].between(min(numbers), max(numbers)))
 
 
 def vouched_for(entries: Iterable[Entry]) -> Iterator[tuple[str, Key, str, int]]:

@@ -13,10 +13,13 @@ from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
 from service.audit import record_audit
 from service.database import tables
+from service.database.engines import open_database
+from service.database.migrate import migrate
 from service.ledger.anchor import advance_anchor
-from service.ledger.checkpoints import statement_on
-from service.ledger.entries import Head
-from service.ledger.keys import Signer, Verifier
+from service.ledger.checkpoints import sign_head, statement_on
+from service.ledger.entries import Head, head_of
+from service.ledger.keys import Signer, Verifier, signing_key
+from service.ledger.verifying import verify
 from tests.databases import ALL, file_of
 
 _COLUMNS = [column for table in ALL for column in table.columns]
@@ -199,6 +202,23 @@ def test_a_history_hashed_anew_without_the_key_is_not_what_was_signed(record):
     assert findings[0].where.startswith("entries 2 to ")
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda entry: entry.pop("sequence"),
+        lambda entry: entry.update(rows=5),
+        lambda entry: entry.update(rows={"events": 5}),
+        lambda entry: entry.update(rows={"events": [[[{}], "0"]]}),
+        lambda entry: entry.update(rows={"events": [[["case-1"], 0]]}),
+    ],
+)
+def test_an_entry_of_another_shape_is_a_finding_and_ends_no_verification(record, change):
+    record.attack(lambda connection: _rehash(connection, 7, change))
+    wheres = record.wheres()
+    assert "entry 7" in wheres
+    assert any(where.startswith("entries ") for where in wheres)
+
+
 def test_an_unsigned_end_hashed_anew_is_not_what_was_anchored(record):
     def rehash(connection):
         (newest,) = connection.execute("SELECT max(sequence) FROM ledger").fetchone()
@@ -245,3 +265,46 @@ def test_an_emptied_record_is_no_new_record(record):
 
     record.attack(empty)
     assert {"ledger", "anchor"} <= record.wheres()
+
+
+@pytest.fixture
+def small(databases, tmp_path):
+    """A record of one event, signed and anchored, and what verifies it."""
+    signer = signing_key(tmp_path / "signing.key")
+    with databases.empty(tmp_path) as address, closing(open_database(address, signer)) as database:
+        migrate(database)
+        with database.write() as connection:
+            record_audit(connection, "noted", None, {"text": "µ"})
+        with database.write() as connection:
+            sign_head(connection, head_of(connection), signer, "end")
+        advance_anchor(database, tmp_path / "head.json", signer)
+        yield (
+            address,
+            lambda: verify(database, {signer.verifier.name: signer.verifier}, tmp_path / "head.json").findings,
+        )
+
+
+@pytest.mark.sqlite
+@pytest.mark.parametrize("table", ["audit_events", "ledger", "checkpoints"])
+def test_no_byte_of_a_small_record_bears_a_flipped_bit(small, databases, table):
+    """Every byte of every text that the newest row holds, each bit in turn."""
+    address, findings = small
+    unseen = []
+    assert findings() == []
+    with databases.attack(address) as attacker:
+        columns = [name for _, name, kind, *_ in attacker.execute(f"PRAGMA table_info({table})") if "INT" not in kind]
+        row, *values = attacker.execute(
+            f"SELECT rowid, {', '.join(columns)} FROM {table} ORDER BY rowid DESC LIMIT 1"
+        ).fetchone()
+        for column, value in zip(columns, values, strict=True):
+            update = f"UPDATE {table} SET {column} = CAST(? AS TEXT) WHERE rowid = ?"
+            raw = (value or "").encode()
+            for place in range(len(raw)):
+                changed = raw[:place] + bytes([raw[place] ^ 1 << place % 8]) + raw[place + 1 :]
+                attacker.execute(update, [changed, row])
+                attacker.commit()
+                unseen += [] if findings() else [(column, place)]
+            attacker.execute(f"UPDATE {table} SET {column} = ? WHERE rowid = ?", [value, row])
+            attacker.commit()
+    assert unseen == []
+    assert findings() == []
