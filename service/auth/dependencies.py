@@ -9,9 +9,11 @@ Stop alone uses `stop_caller`, which asks no database.
 from collections.abc import Callable
 from typing import Annotated
 
+import structlog
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
+from service.audit import record_audit
 from service.auth.origin import check_origin
 from service.auth.permissions import Permission, allows
 from service.auth.session import Session, SessionStatus
@@ -19,6 +21,7 @@ from service.errors import ErrorCode, ServiceError
 from service.parts import Parts, parts_of
 
 COOKIE = "coaxial_session"
+_log = structlog.get_logger(__name__)
 
 
 def bearer_or_cookie(connection: HTTPConnection) -> str | None:
@@ -72,12 +75,29 @@ async def stop_caller(
 
 
 def require(permission: Permission) -> Callable[..., Session]:
-    """A dependency that lets only roles with `permission` through; ServiceError PERMISSION_MISSING."""
+    """A dependency that lets only roles with `permission` through; ServiceError PERMISSION_MISSING, recorded."""
 
-    def permitted(session: Annotated[Session, Depends(current_session)]) -> Session:
+    def permitted(
+        connection: HTTPConnection,
+        session: Annotated[Session, Depends(current_session)],
+        parts: Annotated[Parts, Depends(parts_of)],
+    ) -> Session:
         if not allows(session.role, permission):
+            _record_refusal(connection, parts, session, permission)
             raise ServiceError(ErrorCode.PERMISSION_MISSING, f"the role {session.role} may not {permission}")
         return session
 
     permitted.__dict__["permission"] = permission  # the test that walks the routes reads it
     return permitted
+
+
+def _record_refusal(connection: HTTPConnection, parts: Parts, session: Session, permission: Permission) -> None:
+    """Who tried what their role may not; the route's pattern, for an address could hold what a person typed."""
+    route = getattr(connection.scope.get("route"), "path", "none")
+    case_id = connection.path_params.get("case_id")
+    data = {"permission": permission, "role": session.role, "route": route, "case_id": case_id}
+    try:
+        with parts.database.write() as writer:
+            record_audit(writer, "permission_refused", session.user_id, data)
+    except ServiceError as fault:  # refused all the same
+        _log.error("refusal_not_recorded", code=fault.code)

@@ -58,6 +58,14 @@ def test_only_a_surgeon_approves_and_moves():
         assert [role for role in Role if permission in ROLE_PERMISSIONS[role]] == [Role.SURGEON]
 
 
+def test_who_may_not_move_the_arm_is_refused_and_that_is_in_the_record(running):
+    with running.client(Role.OPERATOR) as operator, running.client(Role.AUDITOR) as auditor:
+        assert operator.post("/cases/some-case/lease-taken", json={"reason": "why not"}).status_code == 403
+        newest = auditor.get("/audit", params={"action": "permission_refused"}).text
+    for told in ("take_lease", "operator", "some-case", "/cases/{case_id}/lease-taken"):
+        assert told in newest
+
+
 def _requests() -> list[tuple[str, str]]:
     return [(name.split()[0], name.split()[1]) for name in sorted(_routes()) if not name.startswith("WEBSOCKET")]
 
