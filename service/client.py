@@ -60,6 +60,14 @@ class Coaxial:
         """The room: service, arm, open case."""
         return self.get("/status")
 
+    def begin_daily_check(self) -> Json:
+        """Look at arm and devices; `passed` is None while the check waits for one image of the guide."""
+        return self.post("/daily-check")
+
+    def finish_daily_check(self, check_id: str, image_id: str) -> Json:
+        """Hold the image against the arm: the result, recorded."""
+        return self.post(f"/daily-check/{check_id}/image", {"image_id": image_id})
+
     def upload_device(self, kind: str, file: bytes) -> Json:
         """Store a device file: kind guide, carm, tcp or room."""
         return self._answer(self._http.post(f"/devices/{kind}", content=file)).json()  # type: ignore[no-any-return]  # JSON

@@ -42,6 +42,7 @@ class ErrorCode(StrEnum):
     EXPOSURE_POSE_UNKNOWN = "exposure_pose_unknown"
     ARM_UNKNOWN = "arm_unknown"
     NUDGE_TOO_SHORT = "nudge_too_short"
+    CHECK_UNKNOWN = "check_unknown"
     IMAGE_UNKNOWN = "image_unknown"
     FINDINGS_UNKNOWN = "findings_unknown"
     IMAGE_BYTES_TOO_LARGE = "image_bytes_too_large"
@@ -161,6 +162,7 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.EXPOSURE_POSE_UNKNOWN: Answer(409, "Request an exposure and take a new image."),
     ErrorCode.ARM_UNKNOWN: Answer(409, "Connect the arm, switch it on, and wait until the status shows it."),
     ErrorCode.NUDGE_TOO_SHORT: Answer(422, "Plan a nudge of 5 mm or more along the guide's own y."),
+    ErrorCode.CHECK_UNKNOWN: Answer(404, "Begin the daily check, then take a new image."),
     ErrorCode.IMAGE_UNKNOWN: Answer(404, "Choose an image from the list."),
     ErrorCode.FINDINGS_UNKNOWN: Answer(404, "Choose an image whose registration or verification was refused."),
     ErrorCode.IMAGE_BYTES_TOO_LARGE: Answer(413, "Send a single frame below the limit in the answer."),

@@ -10,6 +10,7 @@ from service.auth.dependencies import require
 from service.auth.permissions import Permission
 from service.auth.session import Session
 from service.cases import store
+from service.conductor.check_record import LastDailyCheck, last_check
 from service.images.store import count_images
 from service.parts import Parts, parts_of
 from service.version import PRODUCT_VERSION
@@ -37,6 +38,7 @@ class RoomStatus(BaseModel):
     dicom_port: int
     arm_address: str | None
     settings_sha256: str
+    daily_check: LastDailyCheck | None
 
 
 @router.get("/health")
@@ -49,10 +51,11 @@ def read_health() -> Health:
 def read_room_status(
     _: Annotated[Session, Depends(require(Permission.READ))], parts: Annotated[Parts, Depends(parts_of)]
 ) -> RoomStatus:
-    """The room: its open case, images so far, disk, receiver and arm address."""
+    """The room: its open case, images so far, disk, receiver, arm address and the age of the daily check."""
     settings = parts.settings
     with parts.database.read() as connection:
         open_case, images = store.open_case_of(connection, settings.room), count_images(connection)
+        daily_check = last_check(connection)
     return RoomStatus(
         version=PRODUCT_VERSION,
         room=settings.room,
@@ -64,4 +67,5 @@ def read_room_status(
         dicom_port=parts.dicom_port,
         arm_address=settings.arm_address,
         settings_sha256=settings.fingerprint(),
+        daily_check=daily_check,
     )

@@ -87,6 +87,18 @@ def carm_angles(entry_in_patient: Array, target_in_patient: Array, position: Pos
     )
 
 
+def beam_tilt_rad(primary_rad: float, secondary_rad: float) -> float:
+    """Angle of the beam against the vertical, rad in [0, pi/2], of a patient who lies prone or supine.
+
+    Notes
+    -----
+    DICOM's positioner angles put the beam's direction at (sin a cos b, -cos a cos b, sin b) in LPS (docs/method.md).
+    """
+    up = math.cos(primary_rad) * math.cos(secondary_rad)
+    aside = math.hypot(math.sin(primary_rad) * math.cos(secondary_rad), math.sin(secondary_rad))
+    return math.atan2(aside, abs(up))
+
+
 def _check_path(path: Array) -> Refusal | None:
     if not np.isfinite(path).all():
         return Refusal(RefusalCode.TARGET_NOT_FINITE, "entry and target must be finite numbers")

@@ -18,6 +18,7 @@ from service.cases import store
 from service.cases.idempotency import KeptAnswer, keep_answer, kept_answer
 from service.conductor.answering import answer_of, error_of, record_failed_attempt
 from service.conductor.answers import CommandAnswer
+from service.conductor.begun_checks import BegunChecks
 from service.conductor.caller import Caller
 from service.conductor.echoes import Echoes
 from service.conductor.handedness import ProvedConnections
@@ -70,6 +71,7 @@ class Conductor:
         self.rules = Rules(bridge.watch, limits, clock, settings.fingerprint(), settings.room)
         self.echoes = Echoes()
         self.proved = ProvedConnections()
+        self.daily_checks = BegunChecks()
         self.on_effect: dict[Effect, Callable[[Taken], None]] = {}
         self._live: Taken | None = None
         self._unlocking = threading.Lock()

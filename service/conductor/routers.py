@@ -8,6 +8,7 @@ from service.conductor import (
     closing,
     control,
     correction,
+    daily_check,
     events,
     exposure,
     identity,
@@ -22,6 +23,7 @@ from service.motion import hold, stop
 
 CONDUCTOR_ROUTERS: tuple[APIRouter, ...] = (
     status.router,
+    daily_check.router,
     events.router,
     angles.router,
     stop.router,

@@ -1,0 +1,82 @@
+"""`coaxial daily-check`: the arm, its devices and one image of the guide, before the first patient of the day.
+
+Exit status: 0 passed, 3 failed (each line says what to do), 2 wrong usage or a service that does not answer.
+"""
+
+import os
+import time
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+
+import typer
+
+if TYPE_CHECKING:
+    from service.client import Coaxial
+
+daily_check = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+
+_FAILED, _UNUSABLE = 3, 2
+_LOOK_EVERY_S = 0.2
+Item = Mapping[str, Any]
+
+
+@daily_check.command()
+def daily_check_command(
+    url: Annotated[str, typer.Argument(help="Address of the service, as it prints it.")],
+    user: Annotated[str, typer.Option(help="An engineer's name; the password from COAXIAL_PASSWORD, else asked for.")],
+    wait_s: Annotated[float, typer.Option(min=1.0, help="How long to wait for the image.")] = 300.0,
+) -> None:
+    """Check the room: bring the guide into the beam first, and let the arm rest."""
+    import httpx
+
+    from service.client import Coaxial, Refused
+
+    password = os.environ.get("COAXIAL_PASSWORD") or typer.prompt("Password", hide_input=True)
+    try:
+        with Coaxial(url, timeout_s=90.0) as room:
+            room.sign_in(user, password)
+            passed = _check(room, wait_s)
+    except Refused as error:
+        _end(f"{error.code}: {error.detail}. {error.what_to_do}")
+    except httpx.HTTPError as error:
+        _end(f"the service at {url} does not answer: {error}")
+    if not passed:
+        raise typer.Exit(_FAILED)
+
+
+def _check(room: "Coaxial", wait_s: float) -> bool:
+    begun = room.begin_daily_check()
+    _tell(begun["items"])
+    if begun["passed"] is not None:
+        return bool(begun["passed"])
+    typer.echo("now expose the guide once, and leave the arm where it is")
+    image_id = _await_image(room, begun["images_before"], wait_s)
+    if image_id is None:
+        _end(f"no image came within {wait_s:g} s. Check that the C-arm sends to the service, then check anew.")
+    finished = room.finish_daily_check(begun["check_id"], image_id)
+    _tell(finished["items"][len(begun["items"]) :])
+    typer.echo("the daily check has passed" if finished["passed"] else "the daily check has FAILED")
+    return bool(finished["passed"])
+
+
+def _await_image(room: "Coaxial", images_before: int, wait_s: float) -> str | None:
+    """The first image after so many."""
+    end_s = time.monotonic() + wait_s
+    while time.monotonic() < end_s:
+        newer = [image for image in room.get_list("/images") if image["position"] > images_before]
+        if newer:
+            return str(min(newer, key=lambda image: image["position"])["id"])
+        time.sleep(_LOOK_EVERY_S)
+    return None
+
+
+def _tell(items: Sequence[Item]) -> None:
+    for one in items:
+        measured = f"{one['measured']:.3g}" if isinstance(one["measured"], float) else one["measured"]
+        line = f"{'ok  ' if one['passed'] else 'FAIL'}  {one['code']}: {measured} (limit {one['limit']}) {one['unit']}"
+        typer.echo(line.rstrip() + (f". {one['what_to_do']}" if one["what_to_do"] else ""))
+
+
+def _end(line: str) -> NoReturn:
+    typer.echo(line, err=True)
+    raise typer.Exit(_UNUSABLE)
