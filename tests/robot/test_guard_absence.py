@@ -42,7 +42,7 @@ def test_guard_survives_a_controller_that_is_switched_off(make_bench, tmp_path: 
 def test_guard_outlives_a_controller_that_takes_connections_and_says_nothing(make_bench, tmp_path: Path) -> None:
     with ControllerProcess(ControllerSettings(address=free_loopback_address())) as controller:
         controller.inject(Fault.HANDSHAKE_MUTE)
-        bench = make_bench(controller.address, tmp_path, busy_silent_after_s=2.0)
+        bench = make_bench(controller.address, tmp_path)
         bench.client.start()
         bench.until(lambda: bench.client.status is not None, 15.0)
         guard = bench.client.process_id
