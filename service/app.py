@@ -13,11 +13,16 @@ import service.images.router
 import service.images.uploads
 import service.ledger.router
 import service.pacs.router
+import service.web.router
 from service import room_status
 from service.assembly import assemble
+from service.auth import people
+from service.cases import artefacts
 from service.conductor.background import conducting
+from service.conductor.command_permissions import command_permissions
 from service.conductor.routers import CONDUCTOR_ROUTERS
 from service.edge import Edge
+from service.images import pixels
 from service.ledger.keeping import keeping_ledger
 from service.openapi import described_by
 from service.pacs.delivering import delivering
@@ -34,6 +39,9 @@ ROUTERS: tuple[APIRouter, ...] = (
     service.devices.router.router,
     service.images.router.router,
     service.images.uploads.router,
+    pixels.router,
+    artefacts.router,
+    people.router,
     service.ledger.router.router,
     service.pacs.router.router,
     service.archive.router.router,
@@ -76,6 +84,8 @@ def create_app(settings: Settings, claim_reason: str | None = None) -> FastAPI:
     larger = {"/api/images": settings.dicom.max_image_bytes}
     app.add_middleware(Edge, max_body_bytes=settings.http.max_body_bytes, larger=larger)
     add_problem_handlers(app)
+    app.state.command_permissions = command_permissions(CONDUCTOR_ROUTERS)
     for router in ROUTERS:
         app.include_router(router, prefix="/api")
+    app.include_router(service.web.router.router)
     return app

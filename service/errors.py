@@ -137,7 +137,7 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.INTERNAL_FAULT: Answer(500, "Look at the case before repeating; report the incident number."),
     ErrorCode.SETTINGS_REFUSED: Answer(500, "Correct the settings file or the environment variable, then start again."),
     ErrorCode.NOT_SIGNED_IN: Answer(401, "Sign in."),
-    ErrorCode.SIGN_IN_REFUSED: Answer(401, "Check name and password."),
+    ErrorCode.SIGN_IN_REFUSED: Answer(401, "Check name and password or PIN."),
     ErrorCode.SESSION_EXPIRED: Answer(401, "Sign in again; stop still works."),
     ErrorCode.SESSION_LOCKED: Answer(401, "Unlock with the PIN; stop still works."),
     ErrorCode.LOCKED_OUT: Answer(429, "Wait until the time in the answer has passed, or ask an engineer."),

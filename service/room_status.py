@@ -13,6 +13,7 @@ from service.cases import store
 from service.conductor.check_record import LastDailyCheck, last_check
 from service.images.store import count_images
 from service.parts import Parts, parts_of
+from service.settings import ProcedureLimits
 from service.version import PRODUCT_VERSION
 
 router = APIRouter(tags=["status"])
@@ -39,6 +40,7 @@ class RoomStatus(BaseModel):
     arm_address: str | None
     settings_sha256: str
     daily_check: LastDailyCheck | None
+    limits: ProcedureLimits
 
 
 @router.get("/health")
@@ -68,4 +70,5 @@ def read_room_status(
         arm_address=settings.arm_address,
         settings_sha256=settings.fingerprint(),
         daily_check=daily_check,
+        limits=settings.limits,
     )

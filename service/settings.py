@@ -64,6 +64,7 @@ class SessionSettings(_Section):
 
     lifetime_s: float = Field(default=12 * 3600.0, gt=0)
     idle_lock_s: float = Field(default=15 * 60.0, gt=0)
+    pin_sign_in: bool = True  # at a tablet; False asks for the password there too
     wrong_answers: int = Field(default=5, gt=0)
     wrong_answers_window_s: int = Field(default=300, gt=0)
     lock_out_s: float = Field(default=300.0, gt=0)

@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 
 from service.vision_echo import draw_point
+from service.vision_overlay import outlines
 from vision import carm_angles as angles
 from vision.devices import CArm, Guide, read_carm, read_guide
 from vision.drawing import draw, png
@@ -199,5 +200,24 @@ def identify(image: bytes) -> Json:
     return {"status": "identified", "rows": rows, "columns": columns, "pixel_sha256": sha256}
 
 
-_JOBS = (register, annotate, handedness, target, evaluate, carm_angles, echo, identify)
+def pixels(image: bytes) -> Json:
+    """Every pixel with all its bits: rows of little-endian unsigned 16-bit numbers, dark where absorbed."""
+    decoded = decode(image)
+    if isinstance(decoded, Refusal):
+        return refusal_to_json(decoded)
+    steps = np.rint(decoded.pixels * np.float32(2**decoded.bits - 1)).astype("<u2")
+    size = {"rows": decoded.rows, "columns": decoded.columns, "bits": decoded.bits}
+    return {"status": "decoded"} | size | {"pixels": steps.tobytes()}
+
+
+def overlay(image: bytes, registration: Json, targets: list[Json]) -> Json:
+    """What was found in an image, and its targets, as lines in its raw pixels."""
+    decoded = decode(image)
+    if isinstance(decoded, Refusal):
+        return refusal_to_json(decoded)
+    lines = outlines(decoded, from_json(registration), targets)
+    return refusal_to_json(lines) if isinstance(lines, Refusal) else {"status": "drawn"} | lines
+
+
+_JOBS = (register, annotate, handedness, target, evaluate, carm_angles, echo, identify, pixels, overlay)
 JOBS: dict[str, Callable[..., Json]] = {job.__name__: job for job in _JOBS}

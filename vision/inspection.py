@@ -144,7 +144,7 @@ def inspect(
         balls=None if corrected is None else corrected.plate.balls,
         rings=[] if search is None else search.candidates.rings,
         views=[] if search is None else [_found(attempt, guide) for attempt in _shown(search)],
-        aim=_aim(result, target, space, depth_mm) if isinstance(result, Registration) else None,
+        aim=aim_at(result, target, space, depth_mm) if isinstance(result, Registration) else None,
     )
 
 
@@ -196,9 +196,10 @@ def _fitted(fit: ContourFit, observations: Observations, line_ends: list[LineEnd
     return FoundView(fit.view, fit.guide, sample_wires(fit.view, fit.guide), residuals, line_ends, bead_px)
 
 
-def _aim(
+def aim_at(
     registration: Registration, target: tuple[float, float] | None, space: PixelSpace, depth_mm: float
 ) -> Aim | Refusal:
+    """The aim at a pixel of `space`, at the small ring's centre without one."""
     pixel = registration.fiducials_px["small_centre"]
     view, guide = registration.view(), registration.guide
     if target is not None:

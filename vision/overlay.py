@@ -99,13 +99,18 @@ def draw_fiducials(panel: Panel, registration: Registration) -> None:
 
 def draw_aim(panel: Panel, aim: Aim) -> None:
     """The target, and where the axis passes it with 95 % probability, exaggerated."""
+    panel.path(bounds_points(aim), _TARGET, 2, closed=True)
+    panel.crosses(aim.pixel[None], 12.0, _TARGET, 2)
+    panel.text("target", aim.pixel, _TARGET, (14, -14))
+
+
+def bounds_points(aim: Aim) -> Array:
+    """Places (n, 2) on the ellipse of where the axis passes the target, corrected pixels, BOUNDS_TIMES as large."""
     values, vectors = np.linalg.eigh(aim.covariance_px2)
     turn = np.linspace(0.0, 2.0 * np.pi, 90)
     unit = np.column_stack((np.cos(turn), np.sin(turn)))
     reach = BOUNDS_TIMES * np.sqrt(CHI_SQUARE_95 * np.maximum(values, 0.0))
-    panel.path(aim.pixel + unit * reach @ vectors.T, _TARGET, 2, closed=True)
-    panel.crosses(aim.pixel[None], 12.0, _TARGET, 2)
-    panel.text("target", aim.pixel, _TARGET, (14, -14))
+    return np.asarray(aim.pixel + unit * reach @ vectors.T)
 
 
 def ellipse_points(ellipse: Ellipse) -> Array:

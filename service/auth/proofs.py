@@ -36,12 +36,22 @@ class Proofs:
 
     def sign_in(self, name: str, password: str) -> User:
         """The user with this name and password; ServiceError SIGN_IN_REFUSED or LOCKED_OUT."""
-        subject = f"password:{name}"
+        return self._signed_in(f"password:{name}", lambda: self._users.with_password(name, password))
+
+    def sign_in_with_pin(self, name: str, pin: str) -> User:
+        """The user with this name and PIN; ServiceError SIGN_IN_REFUSED or LOCKED_OUT.
+
+        SIGN_IN_REFUSED too where the site wants the password: the answer tells nobody which PIN is right.
+        """
+        allowed = self._settings.pin_sign_in
+        return self._signed_in(f"pin-sign-in:{name}", lambda: self._users.with_pin(name, pin) if allowed else None)
+
+    def _signed_in(self, subject: str, prove: Callable[[], User | None]) -> User:
         self._refuse_locked_out(subject)
-        user = self._users.with_password(name, password)
+        user = prove()
         if user is None:
             self._count_wrong_answer(subject, None)
-            raise ServiceError(ErrorCode.SIGN_IN_REFUSED, "name or password is wrong")
+            raise ServiceError(ErrorCode.SIGN_IN_REFUSED, "name or secret is wrong")
         self._limiter.clear(self._allowance, subject)
         return user
 

@@ -3,7 +3,7 @@
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 from starlette.requests import HTTPConnection
 
 from service.audit import record_audit
@@ -18,11 +18,18 @@ router = APIRouter(tags=["session"])
 
 
 class SignIn(BaseModel):
-    """Name and password."""
+    """A name with the password, or at a tablet with the PIN."""
 
     model_config = ConfigDict(extra="forbid")
     name: str = Field(max_length=64)
-    password: str = Field(max_length=256)
+    password: str | None = Field(default=None, max_length=256)
+    pin: str | None = Field(default=None, max_length=12)
+
+    @model_validator(mode="after")
+    def _one_proof(self) -> "SignIn":
+        if (self.password is None) == (self.pin is None):
+            raise ValueError("either password or pin")
+        return self
 
 
 class Unlock(BaseModel):
@@ -41,6 +48,7 @@ class SessionView(BaseModel):
     status: SessionStatus
     permissions: list[str]
     expires_at_s: float
+    idle_lock_s: float
 
 
 class SignedIn(SessionView):
@@ -49,7 +57,7 @@ class SignedIn(SessionView):
     token: str
 
 
-def _view(session: Session) -> dict[str, Any]:
+def _view(session: Session, parts: Parts) -> dict[str, Any]:
     return {
         "user": session.user_name,
         "user_id": session.user_id,
@@ -57,6 +65,7 @@ def _view(session: Session) -> dict[str, Any]:
         "status": session.status,
         "permissions": sorted(ROLE_PERMISSIONS[session.role]),
         "expires_at_s": session.expires_at_s,
+        "idle_lock_s": parts.settings.session.idle_lock_s,
     }
 
 
@@ -68,26 +77,31 @@ def _view(session: Session) -> dict[str, Any]:
 )
 def sign_in(body: SignIn, response: Response, parts: Annotated[Parts, Depends(parts_of)]) -> SignedIn:
     """Sign in: a bearer token, and the same as a cookie."""
-    user = parts.proofs.sign_in(body.name, body.password)
+    if body.pin is None:
+        user = parts.proofs.sign_in(body.name, body.password or "")
+    else:
+        user = parts.proofs.sign_in_with_pin(body.name, body.pin)
     token, session = parts.sessions.create(user)
     with parts.database.write() as connection:
         record_audit(connection, "signed_in", user.id, {"session": session.id})
     secure = parts.settings.http.secure_cookie
     response.set_cookie(COOKIE, token, httponly=True, samesite="strict", secure=secure, path="/api")
-    return SignedIn(**_view(session), token=token)
+    return SignedIn(**_view(session, parts), token=token)
 
 
 @router.get("/session")
-def read_session(session: Annotated[Session, Depends(any_session)]) -> SessionView:
+def read_session(
+    session: Annotated[Session, Depends(any_session)], parts: Annotated[Parts, Depends(parts_of)]
+) -> SessionView:
     """The caller's session, locked or expired as it may be."""
-    return SessionView(**_view(session))
+    return SessionView(**_view(session, parts))
 
 
 @router.post("/session/lock")
 def lock(session: Annotated[Session, Depends(any_session)], parts: Annotated[Parts, Depends(parts_of)]) -> SessionView:
     """Lock until the PIN is entered; stop still works."""
     parts.sessions.lock(session)
-    return SessionView(**_view(session) | {"status": SessionStatus.LOCKED})
+    return SessionView(**_view(session, parts) | {"status": SessionStatus.LOCKED})
 
 
 @router.post("/session/unlock", openapi_extra=may_fail_with(ErrorCode.PIN_REFUSED, ErrorCode.LOCKED_OUT))
@@ -98,7 +112,7 @@ def unlock(
     if session.status is SessionStatus.EXPIRED:
         raise ServiceError(ErrorCode.SESSION_EXPIRED, "the session is over")
     parts.proofs.confirm_pin(session, body.pin)
-    return SessionView(**_view(parts.sessions.unlock(session)))
+    return SessionView(**_view(parts.sessions.unlock(session), parts))
 
 
 @router.delete("/session", status_code=204)

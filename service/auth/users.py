@@ -56,9 +56,16 @@ class UserStore:
 
     def with_password(self, name: str, password: str) -> User | None:
         """The active user whose name and password these are."""
+        return self._proved(name, "password_hash", password)
+
+    def with_pin(self, name: str, pin: str) -> User | None:
+        """The active user whose name and PIN these are."""
+        return self._proved(name, "pin_hash", pin)
+
+    def _proved(self, name: str, column: str, secret: str) -> User | None:
         with self._database.read() as connection:
             row = _active(connection, tables.users.c.name == name)
-        matches = self._matches(row.password_hash if row else self._nobody, password)
+        matches = self._matches(row._mapping[column] if row else self._nobody, secret)
         return User(row.id, row.name, Role(row.role)) if row and matches else None
 
     def pin_matches(self, user_id: str, pin: str) -> bool:
@@ -110,3 +117,13 @@ def _check_rules(name: str, password: str, pin: str) -> None:
         raise ServiceError(ErrorCode.USER_REFUSED, "a password has 8 to 256 characters", measured=len(password))
     if not _PIN.fullmatch(pin):
         raise ServiceError(ErrorCode.USER_REFUSED, "a PIN has 4 to 12 digits", measured=len(pin))
+
+
+def user_name(connection: Connection, user_id: str) -> str | None:
+    """Their name, of a disabled user too; None where there is no such user."""
+    return connection.execute(sa.select(tables.users.c.name).where(tables.users.c.id == user_id)).scalar()
+
+
+def user_names(connection: Connection) -> dict[str, str]:
+    """The name of every user that there is or was, by id: the record names people by id."""
+    return {row.id: row.name for row in connection.execute(sa.select(tables.users.c.id, tables.users.c.name))}

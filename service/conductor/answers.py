@@ -66,11 +66,25 @@ class EchoAnswer(BaseModel):
     crop_scale: int
 
 
+class OverlayAnswer(BaseModel):
+    """Lines over an image, raw pixels (u, v). `goal` is where the guide's rings are to appear after the motion."""
+
+    wires: dict[str, list[tuple[float, float]]]
+    fiducials: dict[str, tuple[float, float]]
+    bead: tuple[float, float] | None
+    balls: list[tuple[float, float]]
+    targets: list[dict[str, Any]]
+    bounds: list[tuple[float, float]]
+    bounds_times: float
+    goal: dict[str, list[tuple[float, float]]]
+
+
 class LeaseAnswer(BaseModel):
     """Who holds control; `yours` for the session that asks."""
 
     held: bool
     user_id: str | None
+    user: str | None
     control_token: int | None
     taken_at: str | None
     yours: bool
@@ -103,9 +117,14 @@ class ReasonAnswer(BaseModel):
 
 
 class AllowanceAnswer(BaseModel):
-    """Whether a trigger would be taken now, else every reason why not and what leads onwards."""
+    """Whether a trigger would be taken now, else every reason why not and what leads onwards.
+
+    `permitted` for the role of the session that asks; `needs_control` where the control lease goes with the request.
+    """
 
     allowed: bool
+    permitted: bool
+    needs_control: bool
     reasons: list[ReasonAnswer]
     leads_onwards: list[str]
 

@@ -55,4 +55,5 @@ PLANNING = may_fail_with(
     *_PATH,
 )
 APPROVING = may_fail_with(*_REQUEST, *_LEASE, *_PIN)
+OVERLAYS = may_fail_with(ErrorCode.IMAGE_UNKNOWN, ErrorCode.IMAGE_NOT_REGISTERED, *_TARGET, *_VISION)
 ANGLES = may_fail_with(ErrorCode.CASE_UNKNOWN, ErrorCode.PLANNED_TARGET_UNKNOWN, *_VISION)

@@ -1,17 +1,20 @@
 """One atomic status of a case: where it stands, what is allowed, and for everything else every reason why not."""
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Response
 
 from service.auth.dependencies import require
 from service.auth.lease import Lease
-from service.auth.permissions import Permission
+from service.auth.permissions import Permission, allows
 from service.auth.session import Session
+from service.auth.users import user_name
 from service.cases.preconditions import etag
 from service.conductor.answers import AllowanceAnswer, ArmAnswer, LeaseAnswer, ReasonAnswer, StatusAnswer
-from service.conductor.conductor import Conductor, TheConductor
+from service.conductor.command_permissions import CommandPermissions
+from service.conductor.conductor import LEASED, Conductor, TheConductor
 from service.conductor.route_errors import READING
 from service.conductor.snapshots import OF_ANOTHER_IMAGE, measured_for
 from service.conductor.taking import Rules, Standing, stand
@@ -35,17 +38,27 @@ def read_status(
     response: Response,
     session: Annotated[Session, Depends(require(Permission.READ))],
     conductor: TheConductor,
+    permissions: CommandPermissions,
 ) -> StatusAnswer:
     """The case, the arm and the lease at one moment, under the version that the next request is decided on."""
     with conductor.parts.database.read() as connection:
         standing = stand(connection, conductor.rules, case_id, Trigger.READ)
         targets = target_states(connection, case_id)
+        holder = user_name(connection, standing.lease.user_id) if standing.lease is not None else None
     response.headers["ETag"] = etag(standing.last.version)
-    return _status(conductor, standing, session, targets)
+    offered = allowances(standing.case, standing.snapshot, conductor.rules)
+    allowed = {trigger.value: _allowance(trigger, one, session, permissions) for trigger, one in offered.items()}
+    return _status(conductor, standing, allowed, _lease(standing.lease, session, holder), targets)
 
 
-def _status(conductor: Conductor, standing: Standing, session: Session, targets: dict[str, str]) -> StatusAnswer:
-    case, offered = standing.case, allowances(standing.case, standing.snapshot, conductor.rules)
+def _status(
+    conductor: Conductor,
+    standing: Standing,
+    allowed: dict[str, AllowanceAnswer],
+    lease: LeaseAnswer,
+    targets: dict[str, str],
+) -> StatusAnswer:
+    case = standing.case
     return StatusAnswer(
         case_id=case.case_id,
         state=case.state,
@@ -59,9 +72,9 @@ def _status(conductor: Conductor, standing: Standing, session: Session, targets:
         running_motion=None if case.running is None else {"id": case.running.id, "kind": case.running.kind},
         corrections=case.corrections,
         images=case.images,
-        allowed={trigger: _allowance(allowance) for trigger, allowance in offered.items()},
+        allowed=allowed,
         arm=_arm(conductor.bridge.watch.reading()),
-        lease=_lease(standing.lease, session),
+        lease=lease,
         alarms=_alarms(case),
         targets=targets,
     )
@@ -91,13 +104,22 @@ def _alarms(case: CaseState) -> list[str]:
     return ["moved_while_the_sleeve_was_in"] if flagged else []
 
 
-def _allowance(allowance: Allowance) -> AllowanceAnswer:
+def _allowance(
+    trigger: Trigger, allowance: Allowance, session: Session, permissions: Mapping[Trigger, Permission]
+) -> AllowanceAnswer:
     reasons = [_reason(verdict) for verdict in allowance.reasons]
     if not allowance.allowed and not reasons:
         code = allowance.code or ""
         reasons = [ReasonAnswer(code=code, message=allowance.message, measured=None, limit=None, unit="")]
     leads_onwards = [trigger.value for trigger in allowance.leads_onwards]
-    return AllowanceAnswer(allowed=allowance.allowed, reasons=reasons, leads_onwards=leads_onwards)
+    permitted = trigger not in permissions or allows(session.role, permissions[trigger])
+    return AllowanceAnswer(
+        allowed=allowance.allowed,
+        permitted=permitted,
+        needs_control=trigger in LEASED,
+        reasons=reasons,
+        leads_onwards=leads_onwards,
+    )
 
 
 def _reason(verdict: Verdict) -> ReasonAnswer:
@@ -117,12 +139,19 @@ def _json_number(value: float | str | bool | None) -> float | str | bool | None:
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _lease(lease: Lease | None, session: Session) -> LeaseAnswer:
+def _lease(lease: Lease | None, session: Session, holder: str | None) -> LeaseAnswer:
     if lease is None:
-        return LeaseAnswer(held=False, user_id=None, control_token=None, taken_at=None, yours=False)
+        return LeaseAnswer(held=False, user_id=None, user=None, control_token=None, taken_at=None, yours=False)
     yours = lease.session_id == session.id
     token = lease.fencing_token if yours else None
-    return LeaseAnswer(held=True, user_id=lease.user_id, control_token=token, taken_at=lease.taken_at, yours=yours)
+    return LeaseAnswer(
+        held=True,
+        user_id=lease.user_id,
+        user=holder,
+        control_token=token,
+        taken_at=lease.taken_at,
+        yours=yours,
+    )
 
 
 def _arm(reading: ArmReading | None) -> ArmAnswer:

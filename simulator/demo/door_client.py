@@ -35,6 +35,10 @@ class Door:
         self.url = url
         self._http = httpx.Client(base_url=url, timeout=_TIMEOUT_S, trust_env=False)
 
+    def close(self) -> None:
+        """Close the connections."""
+        self._http.close()
+
     def room(self) -> Json:
         """Patient, study, and how everything stands."""
         return self._get("/room")

@@ -3,7 +3,7 @@
 import socket
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -101,9 +101,10 @@ def open_stage(folder: Path, http_port: int, truth: Path | None, teller: Teller)
                 url = service.says("Coaxial listens on ", _UP_WITHIN_S)
                 door = Door(room.says("Room listens on ", _UP_WITHIN_S))
             stage = Stage(url, door, people, folder, (service, room))
-            _upload_devices(stage)
-            teller.tell(f"service {url}, room {door.url}, arm {plan.arm_address}")
-            yield stage
+            with closing(door):
+                _upload_devices(stage)
+                teller.tell(f"service {url}, room {door.url}, arm {plan.arm_address}")
+                yield stage
 
 
 def _room(plan: _Plan) -> Child:

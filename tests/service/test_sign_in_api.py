@@ -3,6 +3,7 @@
 import pytest
 
 from service.auth.permissions import Role
+from service.settings import DicomSettings, HttpSettings, SessionSettings, Settings
 
 _PASSWORD, _PIN = "correct horse", "2468"
 
@@ -89,3 +90,30 @@ def test_after_signing_out_the_token_is_worth_nothing(running):
         assert client.delete("/session").status_code == 204
         client.cookies.clear()
         assert _code(client.get("/session", headers={"Authorization": f"Bearer {token}"})) == "not_signed_in"
+
+
+def test_name_and_pin_sign_in_at_a_tablet(running):
+    with running.client(None) as client:
+        answer = client.post("/session", json={"name": "operator", "pin": _PIN})
+        assert answer.status_code == 201
+        assert client.get("/session").json()["role"] == "operator"
+
+
+def test_a_wrong_pin_and_both_proofs_at_once_are_refused(running):
+    with running.client(None) as client:
+        assert _code(client.post("/session", json={"name": "auditor", "pin": "9999"})) == "sign_in_refused"
+        both = {"name": "auditor", "pin": _PIN, "password": _PASSWORD}
+        assert _code(client.post("/session", json=both)) == "malformed_request"
+        assert _code(client.post("/session", json={"name": "auditor"})) == "malformed_request"
+
+
+def test_a_site_may_ask_for_the_password_at_tablets_too(serving, tmp_path):
+    settings = Settings(
+        data_folder=tmp_path,
+        min_free_bytes=0,
+        http=HttpSettings(port=0),
+        dicom=DicomSettings(port=0),
+        session=SessionSettings(pin_sign_in=False),
+    )
+    with serving(settings) as service, service.client(None) as client:
+        assert _code(client.post("/session", json={"name": "surgeon", "pin": _PIN})) == "sign_in_refused"

@@ -1,0 +1,48 @@
+"""The client's files in memory: read once at start, so that no request names a path of the disk."""
+
+import hashlib
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+_FOLDER = Path(__file__).with_name("client")
+_INDEX = "index.html"
+_MEDIA_TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".json": "application/json",
+    ".svg": "image/svg+xml",
+    ".txt": "text/plain; charset=utf-8",
+    ".webmanifest": "application/manifest+json",
+}
+# Fetched beside the page instead of one after the other as each module names the next.
+_PRELOADED = (".js",)
+_PRELOAD_MARK = b"<!-- modules -->"
+
+
+@dataclass(frozen=True, slots=True)
+class Asset:
+    """One file as it is served; `etag` is the hash of its bytes, quoted."""
+
+    content: bytes
+    media_type: str
+    etag: str
+
+
+@cache
+def assets() -> dict[str, Asset]:
+    """Every file of the client by its address; the page itself at `/`."""
+    files = {path.relative_to(_FOLDER).as_posix(): path.read_bytes() for path in _FOLDER.rglob("*") if path.is_file()}
+    files[""] = files.pop(_INDEX).replace(_PRELOAD_MARK, _preloads(files))
+    return {f"/{name}": _asset(name or _INDEX, content) for name, content in files.items()}
+
+
+def _preloads(files: dict[str, bytes]) -> bytes:
+    modules = sorted(name for name in files if name.endswith(_PRELOADED))
+    return "\n    ".join(f'<link rel="modulepreload" href="/{name}" />' for name in modules).encode()
+
+
+def _asset(name: str, content: bytes) -> Asset:
+    etag = f'"{hashlib.sha256(content).hexdigest()[:32]}"'
+    return Asset(content, _MEDIA_TYPES[Path(name).suffix], etag)

@@ -1,0 +1,83 @@
+/** Full-depth pixels and their grey levels: a window over 16 bits, drawn into a canvas of the image's own size. */
+
+/**
+ * @typedef {object} Raster
+ * @property {number} width
+ * @property {number} height
+ * @property {number} bits
+ * @property {Uint16Array} pixels rows from the top, dark where the beam was absorbed
+ */
+
+/** @typedef {{low: number, high: number}} Window grey levels shown black and white */
+
+const LEVELS = 65536;
+const OPAQUE = 0xff000000;
+// The darkest and brightest pixels are collimator edges and unattenuated beam; nobody wants the window spent on them.
+const LOW_SHARE = 0.02;
+const HIGH_SHARE = 0.98;
+
+/** @param {Response} response of /images/{id}/pixels @returns {Promise<Raster>} */
+export async function readRaster(response) {
+  const number = (/** @type {string} */ name) => Number(response.headers.get(name));
+  const buffer = await response.arrayBuffer();
+  return {
+    width: number("Image-Columns"),
+    height: number("Image-Rows"),
+    bits: number("Image-Bits"),
+    pixels: new Uint16Array(buffer),
+  };
+}
+
+/** A window that shows most of the image. @param {Raster} raster @returns {Window} */
+export function fullWindow({ pixels }) {
+  const counts = new Uint32Array(LEVELS);
+  for (let i = 0; i < pixels.length; i += 1) counts[pixels[i]] += 1;
+  const low = levelAt(counts, pixels.length * LOW_SHARE);
+  const high = levelAt(counts, pixels.length * HIGH_SHARE);
+  return { low, high: Math.max(high, low + 1) };
+}
+
+/** @param {Uint32Array} counts @param {number} rank */
+function levelAt(counts, rank) {
+  let seen = 0;
+  for (let level = 0; level < counts.length; level += 1) {
+    seen += counts[level];
+    if (seen > rank) return level;
+  }
+  return counts.length - 1;
+}
+
+/** Draws a raster through windows, again and again into the same memory. */
+export class Developer {
+  /** @param {Raster} raster */
+  constructor(raster) {
+    this.raster = raster;
+    this.canvas = new OffscreenCanvas(raster.width, raster.height);
+    this.context = /** @type {OffscreenCanvasRenderingContext2D} */ (this.canvas.getContext("2d", { alpha: false }));
+    this.picture = this.context.createImageData(raster.width, raster.height);
+    this.colours = new Uint32Array(this.picture.data.buffer);
+    this.table = new Uint32Array(LEVELS);
+    /** @type {Window|null} */
+    this.shown = null;
+  }
+
+  /** The picture under a window. @param {Window} window @returns {OffscreenCanvas} */
+  develop(window) {
+    if (this.shown?.low === window.low && this.shown.high === window.high) return this.canvas;
+    this.fill(window);
+    const { pixels } = this.raster;
+    for (let i = 0; i < pixels.length; i += 1) this.colours[i] = this.table[pixels[i]];
+    this.context.putImageData(this.picture, 0, 0);
+    this.shown = { ...window };
+    return this.canvas;
+  }
+
+  /** @param {Window} window */
+  fill({ low, high }) {
+    const perLevel = 255 / (high - low);
+    for (let level = 0; level < LEVELS; level += 1) {
+      const grey = Math.max(0, Math.min(255, Math.round((level - low) * perLevel)));
+      this.table[level] = (OPAQUE | (grey << 16) | (grey << 8) | grey) >>> 0;
+    }
+  }
+}

@@ -1,0 +1,34 @@
+/** Images fetched once and kept while they are looked at; an image never changes. */
+
+import { useEffect, useState } from "../../vendor/preact.js";
+import { answer } from "../api.js";
+import { noteRefusal } from "../room/room.js";
+import { Developer, readRaster } from "./raster.js";
+
+// Two for a comparison, and the ones a hand goes back to; each takes 6 MB for 1024 x 1024 pixels.
+const KEPT = 6;
+
+/** @type {Map<string, Promise<Developer>>} */
+const kept = new Map();
+
+/** @param {string} imageId @returns {Promise<Developer>} */
+export function developerOf(imageId) {
+  const known = kept.get(imageId);
+  if (known) return known;
+  const made = answer(`/images/${imageId}/pixels`).then(readRaster).then((raster) => new Developer(raster));
+  made.catch(() => kept.delete(imageId));
+  kept.set(imageId, made);
+  const [oldest] = kept.keys();
+  if (kept.size > KEPT) kept.delete(oldest);
+  return made;
+}
+
+/** @param {string|null} imageId @returns {Developer|null} null until it is there */
+export function useDeveloper(imageId) {
+  const [found, setFound] = useState(/** @type {any} */ ({ id: null, developer: null }));
+  useEffect(() => {
+    if (imageId === null) return;
+    developerOf(imageId).then((developer) => setFound({ id: imageId, developer }), noteRefusal);
+  }, [imageId]);
+  return found.id === imageId ? found.developer : null;
+}

@@ -1,0 +1,59 @@
+/** One image on a canvas: window, view and overlay in, a picture out, at most once a frame. */
+
+import { Overlay } from "./drawing.js";
+
+/** @typedef {import("./view.js").View} View */
+/** @typedef {import("./view.js").Size} Size */
+
+/**
+ * What a stage shows.
+ * @typedef {object} Scene
+ * @property {import("./raster.js").Developer} developer
+ * @property {import("./raster.js").Window} window
+ * @property {View} view
+ * @property {((overlay: Overlay) => void)} [drawOver]
+ * @property {{developer: import("./raster.js").Developer, window: import("./raster.js").Window, share: number}} [blend]
+ */
+
+const BEHIND = "#000";
+const FONT = "600 16px system-ui, sans-serif";
+
+/** @param {HTMLCanvasElement} canvas @param {Size} size CSS pixels @param {number} ratio device pixels for one of them */
+export function resize(canvas, size, ratio) {
+  canvas.width = Math.round(size.width * ratio);
+  canvas.height = Math.round(size.height * ratio);
+}
+
+/** @param {HTMLCanvasElement} canvas @param {Size} stage @param {Scene} scene */
+export function paint(canvas, stage, scene) {
+  const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d", { alpha: false }));
+  const ratio = canvas.width / stage.width;
+  context.setTransform(1, 0, 0, 1, 0, 0);
+  context.fillStyle = BEHIND;
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  place(context, ratio, stage, scene.view);
+  context.imageSmoothingQuality = "medium";
+  context.drawImage(scene.developer.develop(scene.window), -0.5, -0.5);
+  if (scene.blend) {
+    context.globalAlpha = scene.blend.share;
+    context.drawImage(scene.blend.developer.develop(scene.blend.window), -0.5, -0.5);
+    context.globalAlpha = 1;
+  }
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.font = FONT;
+  scene.drawOver?.(new Overlay(context, scene.view, stage));
+}
+
+/** Canvas units become image pixels, a pixel's centre on whole numbers. */
+function place(
+  /** @type {CanvasRenderingContext2D} */ context,
+  /** @type {number} */ ratio,
+  /** @type {Size} */ stage,
+  /** @type {View} */ view,
+) {
+  context.scale(ratio, ratio);
+  context.translate(stage.width / 2, stage.height / 2);
+  context.rotate(view.angleRad);
+  context.scale(view.scale, view.scale);
+  context.translate(-view.centre[0], -view.centre[1]);
+}

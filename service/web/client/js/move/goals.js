@@ -1,0 +1,82 @@
+/** Motions that a hand asks for before the image and after the target: approach, nudge, retreat. */
+
+import { html, useState } from "../../vendor/preact.js";
+import { Refusing } from "../parts/refusing.js";
+import { askNumber } from "../parts/keypad.js";
+import { allowance, wantsControl } from "../case/allowing.js";
+import { TakeControl } from "../parts/control.js";
+import { number, t } from "../words.js";
+import { plan } from "./motion.js";
+
+const POSE = [
+  ["x", "mm"], ["y", "mm"], ["z", "mm"],
+  ["rx", "°"], ["ry", "°"], ["rz", "°"],
+];
+const STEPS_MM = [1, 5, 10];
+const STEPS_DEG = [1, 5];
+const RETREAT_MM = 45;
+// Of the guide's own frame: z along its axis, away from the patient.
+const DIRECTIONS = [
+  ["x_plus", [1, 0, 0]], ["x_minus", [-1, 0, 0]], ["y_plus", [0, 1, 0]], ["y_minus", [0, -1, 0]],
+];
+
+/** @param {{kinds: string[]}} props which of them this screen offers; the service says which are taken */
+export function Motions({ kinds }) {
+  const [kind, setKind] = useState(kinds[0]);
+  const allowed = allowance("plan_requested");
+  if (wantsControl("plan_requested")) return html`<${TakeControl} />`;
+  if (!allowed.allowed || !allowed.permitted) return html`<${Refusing} trigger="plan_requested" />`;
+  const forms = { approach: Approach, nudge: Nudge, retreat: Retreat };
+  return html`
+    <div class="tabs" role="tablist">
+      ${kinds.map((one) => html`<button class="tab" role="tab" aria-selected=${one === kind} onClick=${() => setKind(one)}>${t(`motion.${one}`)}</button>`)}
+    </div>
+    <${forms[/** @type {keyof typeof forms} */ (kind)]} />
+  `;
+}
+
+function Approach() {
+  const [pose, setPose] = useState([0, 0, 0, 0, 0, 0]);
+  const enter = async (/** @type {number} */ place) => {
+    const [name, unit] = POSE[place];
+    const value = await askNumber(t("motion.coordinate", { name, unit }), pose[place]);
+    if (value !== null) setPose(pose.map((known, index) => (index === place ? value : known)));
+  };
+  const goal = { translation_mm: pose.slice(0, 3), rotation_vector_deg: pose.slice(3) };
+  return html`
+    <p class="note">${t("motion.approach_words")}</p>
+    <div class="pose">
+      ${POSE.map(([name, unit], place) => html`<button class="field" onClick=${() => enter(place)} data-field=${name}><span>${name}</span><b>${number(pose[place], 2)}</b><small>${unit}</small></button>`)}
+    </div>
+    <div class="actions"><button class="button is-next" onClick=${() => plan("approach", { base_from_goal: goal })}>${t("motion.plan")}</button></div>
+  `;
+}
+
+function Nudge() {
+  const [step, setStep] = useState({ unit: "mm", by: STEPS_MM[1] });
+  const go = (/** @type {number[]} */ direction) => {
+    const vector = direction.map((one) => one * step.by);
+    const none = [0, 0, 0];
+    const isShift = step.unit === "mm";
+    plan("nudge", { step: { translation_mm: isShift ? vector : none, rotation_vector_deg: isShift ? none : vector } });
+  };
+  const steps = [...STEPS_MM.map((by) => ({ unit: "mm", by })), ...STEPS_DEG.map((by) => ({ unit: "°", by }))];
+  return html`
+    <p class="note">${t("motion.nudge_words")}</p>
+    <div class="chips" role="group">${steps.map((one) => html`<button class="chip" aria-pressed=${one.by === step.by && one.unit === step.unit} onClick=${() => setStep(one)}>${one.by} ${one.unit}</button>`)}</div>
+    <div class="nudges">${DIRECTIONS.map(([name, direction]) => html`<button class="button" onClick=${() => go(/** @type {number[]} */ (direction))}>${t(`nudge.${name}`)}</button>`)}</div>
+  `;
+}
+
+function Retreat() {
+  const [distance, setDistance] = useState(RETREAT_MM);
+  const enter = async () => {
+    const value = await askNumber(t("motion.retreat_distance"), distance);
+    if (value !== null) setDistance(value);
+  };
+  return html`
+    <p class="note">${t("motion.retreat_words")}</p>
+    <button class="field" onClick=${enter} data-field="distance"><span>${t("motion.distance")}</span><b>${number(distance, 0)}</b><small>mm</small></button>
+    <div class="actions"><button class="button is-next" onClick=${() => plan("retreat", { distance_mm: distance })}>${t("motion.plan")}</button></div>
+  `;
+}

@@ -1,0 +1,53 @@
+/** A motion from the plan to its end: planned, approved with the PIN, held. */
+
+import { signal } from "../../vendor/preact.js";
+import { send } from "../case/commands.js";
+import { readStatus, status } from "../case/live.js";
+
+/**
+ * @typedef {object} Motion
+ * @property {string} kind
+ * @property {string} caseId
+ * @property {string} planId
+ * @property {any} plan what the service planned, in numbers
+ * @property {string|null} permitId
+ * @property {number} permitUntilMs of this page's clock
+ * @property {any} ended
+ * @property {string} reason why the button was let go
+ */
+
+/** @type {import("../../vendor/preact.js").Signal<Motion|null>} */
+export const motion = signal(null);
+
+/** @param {string} kind @param {object} [goal] */
+export async function plan(kind, goal = {}) {
+  motion.value = null;
+  const told = await send("plan_requested", { kind, ...goal });
+  if (!told) return;
+  const made = { kind, caseId: told.case_id, planId: told.made.plan, plan: told.detail };
+  motion.value = { ...made, permitId: null, permitUntilMs: 0, ended: null, reason: "" };
+}
+
+/** @param {string} pin */
+export async function approve(pin) {
+  const planned = /** @type {Motion} */ (motion.value);
+  const told = await send("move_approved", { plan_id: planned.planId, pin });
+  if (!told) return false;
+  motion.value = {
+    ...planned,
+    permitId: told.made.permit,
+    permitUntilMs: performance.now() + told.detail.life_s * 1000,
+  };
+  return true;
+}
+
+/** The button's motion is over, or never began. @param {any} ended @param {string} reason */
+export function endMotion(ended, reason) {
+  if (motion.value) motion.value = { ...motion.value, permitId: null, ended: ended ?? { cause: "link_lost" }, reason };
+  readStatus(status.value.case_id);
+}
+
+/** Put the plan away. */
+export function dropMotion() {
+  motion.value = null;
+}

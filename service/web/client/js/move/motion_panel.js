@@ -1,0 +1,96 @@
+/** What the surgeon reads before the arm moves, the PIN, and the held button. */
+
+import { html, useEffect, useState } from "../../vendor/preact.js";
+import { events } from "../case/live.js";
+import { Action, Figures, Row } from "../parts/controls.js";
+import { askPin } from "../parts/keypad.js";
+import { number, t, tOr } from "../words.js";
+import { HoldButton } from "./hold_button.js";
+import { approve, dropMotion, endMotion, motion } from "./motion.js";
+
+export function MotionPanel() {
+  const current = motion.value;
+  if (!current) return null;
+  return html`
+    <h3>${t(`motion.${current.kind}`)}</h3>
+    <${PlanWords} plan=${current.plan} />
+    ${current.permitId ? html`<${Held} ...${current} />` : html`<${Approval} />`}
+  `;
+}
+
+/** @param {{plan: any}} props */
+export function PlanWords({ plan }) {
+  const nearest = plan.preview.reduce((/** @type {any} */ least, /** @type {any} */ piece) =>
+    piece.clearance_mm < least.clearance_mm ? piece : least,
+  );
+  const predicted = plan.predicted_error_95;
+  const detectable = plan.detectable_motion;
+  return html`
+    <p class="lead">${t("motion.words", { mm: number(plan.length_mm, 1), deg: number(plan.rotation_deg, 2), s: number(plan.duration_s, 1) })}</p>
+    <${Figures}>
+      <${Row} name=${t("motion.distance")} value=${number(plan.length_mm, 1)} unit="mm" />
+      <${Row} name=${t("motion.rotation")} value=${number(plan.rotation_deg, 2)} unit="°" />
+      ${predicted && html`<${Row} name=${t("motion.predicted_angle")} value=${number(predicted.angle_deg, 3)} unit="°" />`}
+      ${predicted && html`<${Row} name=${t("motion.predicted_position")} value=${number(predicted.position_mm, 3)} unit="mm" />`}
+      <${Row}
+        name=${t("motion.nearest", { shape: tOr(`shape.${nearest.shape}`, nearest.shape), part: tOr(`part.${nearest.part}`, nearest.part) })}
+        value=${number(plan.clearance_mm, 0)}
+        unit="mm"
+        limit=${t("limit.at_least", { value: number(plan.clearance_needed_mm, 0) })}
+      />
+      <${Row} name=${t("motion.joint_margin")} value=${number(plan.joint_margin_deg, 0)} unit="°" />
+    <//>
+    ${detectable &&
+    html`<p class="note">${t("motion.detectable", { deg: number(detectable.rotation_deg, 2), across: number(detectable.across_mm, 1), along: number(detectable.along_mm, 1) })}</p>`}
+  `;
+}
+
+function Approval() {
+  const ask = async () => {
+    const pin = await askPin(t("pin.approve"));
+    if (pin !== null) await approve(pin);
+  };
+  return html`
+    <div class="actions">
+      <${Action} trigger="move_approved" icon="lock" onPress=${ask}>${t("motion.approve")}<//>
+      <button class="button" onClick=${dropMotion}>${t("motion.drop")}</button>
+    </div>
+  `;
+}
+
+function Held(/** @type {any} */ { permitId, permitUntilMs, plan }) {
+  const [leftS, setLeft] = useState(0);
+  useEffect(() => {
+    const look = () => setLeft(Math.max(0, Math.ceil((permitUntilMs - performance.now()) / 1000)));
+    look();
+    const every = setInterval(look, 250);
+    return () => clearInterval(every);
+  }, [permitUntilMs]);
+  const planId = motion.value?.planId;
+  const isUsed = events.value.some((event) => event.trigger === "move_started" && event.data.plan_id === planId);
+  return html`
+    <${HoldButton} permitId=${permitId} lengthMm=${plan.length_mm} onEnded=${endMotion} />
+    ${!isUsed &&
+    html`<p class="note" role="status">${leftS > 0 ? t("motion.permit_left", { s: leftS }) : t("motion.permit_over")}</p>
+      <button class="button" onClick=${dropMotion}>${t("motion.drop")}</button>`}
+  `;
+}
+
+/** How the newest motion ended, until it is read. */
+export function EndedBanner() {
+  if (!motion.value?.ended) return null;
+  const { kind, ended, reason } = motion.value;
+  const told = ended.problem;
+  const cause = tOr(`ending.${ended.cause}`, ended.cause);
+  return html`
+    <section class="banner ended ended-${ended.cause}" role="status">
+      <div>
+        <p class="title">${t(`motion.${kind}`)}: ${cause}</p>
+        ${reason && reason !== "released" && html`<p>${t(`let_go.${reason}`)}</p>`}
+        ${ended.distance_mm != null && html`<p>${t("motion.short_of", { mm: number(ended.distance_mm, 2), deg: number(ended.angle_deg, 3) })}</p>`}
+        ${told && html`<p>${tOr(`code.${told.code}`, told.detail)} ${tOr(`do.${told.code}`, told.what_to_do)}</p>`}
+      </div>
+      <button class="button" onClick=${dropMotion}>${t("motion.understood")}</button>
+    </section>
+  `;
+}

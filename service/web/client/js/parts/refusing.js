@@ -1,0 +1,51 @@
+/** Why something is not taken now: in words, with what was measured, the limit, and what to do. */
+
+import { html } from "../../vendor/preact.js";
+import { allowance } from "../case/allowing.js";
+import { refusal } from "../case/commands.js";
+import { Override } from "../case/overriding.js";
+import { number, t, tOr } from "../words.js";
+
+/** Every reason of the status against one request. @param {{trigger: string}} props */
+export function Refusing({ trigger }) {
+  const { permitted, reasons, leads_onwards: onwards } = allowance(trigger);
+  if (!permitted) return html`<div class="refusing"><p>${t("refused.role", { what: t(`trigger.${trigger}`) })}</p></div>`;
+  return html`<div class="refusing" role="status">
+    <h3>${t("refused.not_now", { what: t(`trigger.${trigger}`) })}</h3>
+    <ul>${reasons.map((reason) => html`<${Reason} ...${reason} />`)}</ul>
+    ${onwards.length > 0 && html`<p class="onwards">${t("refused.first")} ${onwards.map((one) => t(`trigger.${one}`)).join(" · ")}</p>`}
+  </div>`;
+}
+
+/** @param {any} reason */
+function Reason({ code, message, measured, limit, unit, overridable }) {
+  return html`<li>
+    <span>${tOr(`code.${code}`, message)}</span>
+    ${measured !== null && measured !== undefined && html`<small>${t("refused.measured", { measured: plain(measured), limit: plain(limit), unit: unit ?? "" })}</small>`}
+    <${Override} ...${{ code, message, overridable }} />
+  </li>`;
+}
+
+/** @param {any} value */
+function plain(value) {
+  if (typeof value === "number") return number(value, Math.abs(value) >= 100 ? 0 : 3);
+  if (typeof value === "boolean") return t(value ? "yes" : "no");
+  return value === null || value === undefined ? "–" : tOr(`value.${value}`, String(value));
+}
+
+/** The answer to a request that was refused just now, until it is put away. */
+export function RefusalBanner() {
+  const told = refusal.value;
+  if (!told) return null;
+  const failed = (told.verdicts ?? []).filter((/** @type {any} */ verdict) => !verdict.passed);
+  return html`<div class="banner is-refusal" role="alert">
+    <div>
+      <p class="title">${tOr(`code.${told.code}`, told.detail)}</p>
+      ${failed.length > 0
+        ? html`<ul>${failed.map((/** @type {any} */ one) => html`<${Reason} ...${one} />`)}</ul>`
+        : told.measured != null && html`<p>${t("refused.measured", { measured: plain(told.measured), limit: plain(told.limit), unit: "" })}</p>`}
+      <p class="onwards">${tOr(`do.${told.code}`, told.what_to_do)}</p>
+    </div>
+    <button class="button" onClick=${() => (refusal.value = null)}>${t("close")}</button>
+  </div>`;
+}

@@ -1,0 +1,54 @@
+/** Asking for an exposure, and waiting for the image that it makes. */
+
+import { html, useEffect, useState } from "../../vendor/preact.js";
+import { newest, status } from "../case/live.js";
+import { Action, Waiting } from "../parts/controls.js";
+import { room } from "../room/room.js";
+import { number, t, tOr } from "../words.js";
+
+const LOOK_EVERY_MS = 500;
+const OVER = ["image_arrived", "carm_position_confirmed", "retake", "arrived"];
+
+/** Seconds that the exposure's window is still open; 0 if none is. */
+function useWindow() {
+  const [, look] = useState(0);
+  useEffect(() => {
+    const every = setInterval(() => look((n) => n + 1), LOOK_EVERY_MS);
+    return () => clearInterval(every);
+  }, []);
+  const asked = newest("exposure_requested");
+  const over = newest(...OVER);
+  if (!asked || (over && over.sequence > asked.sequence) || asked.state !== status.value.state) return 0;
+  const ageS = (Date.now() - Date.parse(asked.recorded_at)) / 1000;
+  return Math.max(0, Math.ceil((room.value?.limits.exposure_window_s ?? 0) - ageS));
+}
+
+/** @param {any} props */
+export function Exposing({ children }) {
+  const leftS = useWindow();
+  if (leftS > 0) return html`<div class="exposing"><${Waiting}>${t("exposing.now", { s: leftS })}<//></div>`;
+  return html`<${Action} trigger="exposure_requested" icon="xray">${children}<//>`;
+}
+
+/** What became of the newest image, where it entered no chain. */
+export function Unusable() {
+  const refused = newest("registration_refused", "verification_refused", "registration_completed", "verification_passed", "verification_failed");
+  const stray = newest("image_arrived");
+  const isStray = stray && stray.data.row === 5 && (!refused || stray.sequence > refused.sequence);
+  if (isStray && stray.data.problem) return html`<${Why} reason=${stray.data.problem} />`;
+  if (isStray) return html`<p class="warning">${t("exposing.stray")}</p>`;
+  if (refused?.trigger === "registration_completed" && refused.state === "carm_positioned") return html`<p class="warning">${t("exposing.gates")}</p>`;
+  if (!refused?.data.reason) return null;
+  return html`<${Why} reason=${refused.data.reason} />
+    ${refused.data.findings_sha256 && html`<details class="findings"><summary>${t("exposing.findings")}</summary><img src=${`/api/images/${refused.data.image_id}/findings`} alt=${t("exposing.findings")} /></details>`}`;
+}
+
+/** @param {{reason: any}} props */
+function Why({ reason }) {
+  return html`<div class="refusing">
+    <h3>${t("exposing.refused")}</h3>
+    <p>${tOr(`code.${reason.code}`, reason.message)}</p>
+    ${reason.measured != null && html`<small>${t("refused.measured", { measured: number(reason.measured, 3), limit: number(reason.limit, 3), unit: "" })}</small>`}
+    <p class="onwards">${tOr(`do.${reason.code}`, "")}</p>
+  </div>`;
+}

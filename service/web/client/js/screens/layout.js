@@ -1,0 +1,16 @@
+/** The two halves of a screen: what is seen, and what is done. */
+
+import { html } from "../../vendor/preact.js";
+import { t } from "../words.js";
+
+/** @param {{state: string, seen?: any, children?: any}} props */
+export function Screen({ state, seen, children }) {
+  return html`
+    <section class="doing" aria-labelledby="screen-title">
+      <h2 id="screen-title">${t(`state.${state}`)}</h2>
+      <p class="lead">${t(`do_now.${state}`)}</p>
+      ${children}
+    </section>
+    <div class="seen">${seen}</div>
+  `;
+}

@@ -1,0 +1,74 @@
+/** Words in the language of the tablet: one JSON file a language, keys the same in all of them. */
+
+import { signal } from "../vendor/preact.js";
+
+/** Languages by their file's name; one more file and one more line here add a language. */
+export const LANGUAGES = { en: "English", de: "Deutsch" };
+const KEPT = "coaxial.language";
+const FALLBACK = "en";
+
+export const language = signal(FALLBACK);
+/** @type {import("../vendor/preact.js").Signal<Record<string, string>>} */
+const words = signal({});
+/** @type {Record<string, string>} */
+let fallback = {};
+
+/** The language chosen on this tablet, else the browser's, else English. */
+export async function loadWords() {
+  const wanted = localStorage.getItem(KEPT) ?? navigator.language.slice(0, 2);
+  fallback = await read(FALLBACK);
+  await speak(wanted in LANGUAGES ? wanted : FALLBACK);
+}
+
+/** @param {string} wanted */
+export async function speak(wanted) {
+  words.value = wanted === FALLBACK ? fallback : await read(wanted);
+  language.value = wanted;
+  document.documentElement.lang = wanted;
+  localStorage.setItem(KEPT, wanted);
+}
+
+/** @param {string} name @returns {Promise<Record<string, string>>} */
+async function read(name) {
+  return (await fetch(`/locales/${name}.json`)).json();
+}
+
+/**
+ * The text of a key with its {places} filled.
+ * @param {string} key
+ * @param {Record<string, string|number>} [places]
+ */
+export function t(key, places = {}) {
+  const text = words.value[key] ?? fallback[key] ?? key;
+  return text.replace(/\{(\w+)\}/g, (whole, name) => String(places[name] ?? whole));
+}
+
+/**
+ * The text of a key, or what the service said where the language has no words for it.
+ * @param {string} key
+ * @param {string} told
+ */
+export function tOr(key, told) {
+  const known = words.value[key] ?? (language.value === FALLBACK ? undefined : null);
+  return known ?? (told || fallback[key] || "");
+}
+
+/**
+ * A number as people of this language write it.
+ * @param {number|null|undefined} value
+ * @param {number} [digits] behind the point
+ */
+export function number(value, digits = 2) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  return value.toLocaleString(language.value, { minimumFractionDigits: digits, maximumFractionDigits: digits });
+}
+
+/** @param {string} at ISO time */
+export function clock(at) {
+  return new Date(at).toLocaleTimeString(language.value);
+}
+
+/** @param {string} at ISO time */
+export function day(at) {
+  return new Date(at).toLocaleString(language.value, { dateStyle: "medium", timeStyle: "short" });
+}
