@@ -14,6 +14,7 @@ import service.images.uploads
 import service.ledger.router
 import service.pacs.router
 import service.web.router
+import service.slicer.router
 from service import room_status
 from service.assembly import assemble
 from service.auth import people
@@ -29,6 +30,7 @@ from service.pacs.delivering import delivering
 from service.parts import Parts
 from service.problem_json import add_problem_handlers
 from service.settings import Settings
+from service.slicer.link import linking
 from service.version import PRODUCT_VERSION
 
 # Every feature's router, its paths below /api.
@@ -45,6 +47,7 @@ ROUTERS: tuple[APIRouter, ...] = (
     service.ledger.router.router,
     service.pacs.router.router,
     service.archive.router.router,
+    service.slicer.router.router,
     *CONDUCTOR_ROUTERS,
 )
 # What runs beside the requests: entered in this order once the parts are up, left in reverse before they close.
@@ -52,6 +55,7 @@ BACKGROUND: tuple[Callable[[FastAPI, Parts], AbstractAsyncContextManager[None]],
     keeping_ledger,
     conducting,
     delivering,
+    linking,
 )
 
 _DESCRIPTION = "Robot-assisted needle placement under C-arm fluoroscopy. Research software, not for clinical use."

@@ -73,6 +73,7 @@ class ErrorCode(StrEnum):
     CLUSTER_UNAVAILABLE = "cluster_unavailable"
     ARCHIVE_REFUSED = "archive_refused"
     CASE_DIFFERS = "case_differs"
+    MARKUPS_REFUSED = "markups_refused"
     VISION_DEADLINE = "vision_deadline"
     VISION_CRASHED = "vision_crashed"
     VISION_OUT_OF_MEMORY = "vision_out_of_memory"
@@ -204,6 +205,9 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.CLUSTER_UNAVAILABLE: Answer(503, "Start the scheduler and its workers, or replay on this machine."),
     ErrorCode.ARCHIVE_REFUSED: Answer(422, "Verify the file (`coaxial case verify`); get it again from its maker."),
     ErrorCode.CASE_DIFFERS: Answer(409, "Keep both: this database and the file. Compare them with `coaxial audit`."),
+    ErrorCode.MARKUPS_REFUSED: Answer(
+        422, "Save the lines from 3D Slicer again, one per pedicle, entry first; or enter the targets by hand."
+    ),
     ErrorCode.VISION_DEADLINE: Answer(503, "Try again; if it repeats, take a new image."),
     ErrorCode.VISION_CRASHED: Answer(503, "Try again; the image worker was restarted."),
     ErrorCode.VISION_OUT_OF_MEMORY: Answer(503, "Take a smaller image, or raise the memory limit in the settings."),

@@ -59,6 +59,13 @@ class PeerSettings(_Section):
     ae_title: str = Field(default="PACS", min_length=1, max_length=16)
 
 
+class SlicerSettings(_Section):
+    """Where 3D Slicer may watch (OpenIGTLink); it tells nobody who the patient is, but asks nobody who they are."""
+
+    host: str = "127.0.0.1"
+    port: int | None = Field(default=None, ge=1, le=65535)  # None: nobody watches; 18944 is customary
+
+
 class SessionSettings(_Section):
     """How long a sign-in lasts, when it locks, and how many wrong answers are borne."""
 
@@ -123,6 +130,7 @@ class Settings(BaseSettings):
     dicom: DicomSettings = DicomSettings()
     pacs: PeerSettings = PeerSettings()  # takes pictures, errors and report of each case that is over
     worklist: PeerSettings = PeerSettings()  # knows who is next
+    slicer: SlicerSettings = SlicerSettings()
     session: SessionSettings = SessionSettings()
     vision: VisionSettings = VisionSettings()
     limits: ProcedureLimits = ProcedureLimits()
