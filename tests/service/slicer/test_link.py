@@ -94,7 +94,8 @@ def test_whoever_watches_is_told_the_pose_the_state_and_the_image(
         assert told["state"] == "case_open"
         assert set(told) == {"case", "state", "version"}, "who the patient is, nobody is told"
         pose = _next(connection, "BaseFromGuide").matrix()
-        np.testing.assert_allclose(pose, arm.state().base_from_tcp, atol=0.01)
+        state = arm.state()
+        np.testing.assert_allclose(pose, state.base_from_flange_nominal @ state.flange_from_tcp, atol=0.01)
         (tmp_path / "image.dcm").write_bytes(make_xray())
         port = str(service.parts.dicom_port)
         subprocess.run([storescu, "127.0.0.1", port, tmp_path / "image.dcm"], check=True, timeout=30)
