@@ -9,6 +9,7 @@ from sqlalchemy.engine import Connection
 from robot.frames import Transform
 from service.cases import store
 from service.cases.records import ArtefactKind, Json
+from service.images.store import list_images
 from service.parts import Parts
 from service.slicer.messages import target_beyond
 
@@ -35,7 +36,8 @@ def read_scene(parts: Parts) -> Scene:
         last = store.newest_event(connection, case_id)
         goal, target = _aims(connection, last.case_state)
         state = {"case": case_id, "state": last.state, "version": last.version}
-        return Scene(state, goal, target, last.case_state.get("newest_image_id"))
+        newest = next(iter(list_images(connection, case_id, limit=1)), None)
+        return Scene(state, goal, target, newest.id if newest is not None else None)
 
 
 def _aims(connection: Connection, case: Json) -> tuple[Transform | None, Transform | None]:
