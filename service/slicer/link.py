@@ -5,7 +5,7 @@ pyigtl packs the messages; its own server takes one client at a time, and the pr
 
 import asyncio
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from contextlib import asynccontextmanager
 
 import numpy as np
 import structlog
@@ -20,7 +20,7 @@ from service.slicer.scene import Scene, read_scene
 
 _log = structlog.get_logger(__name__)
 _POSE_STEP_S = 0.1
-_POSES_A_SCENE = 5  # the record is read once in so many poses
+_SCENE_STEP_S = 0.5
 _MOST_WATCHERS = 8
 # A watcher that takes nothing for this long is let go: it must not fill this process's memory.
 _STALLED_S = 5.0
@@ -47,33 +47,35 @@ async def linking(app: FastAPI, parts: Parts) -> AsyncIterator[None]:
 
 
 class _Watching:
-    """Every watcher that is connected, each with a task of its own."""
+    """Every watcher that is connected."""
 
     def __init__(self, conductor: Conductor) -> None:
         self._conductor = conductor
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._writers: dict[asyncio.StreamWriter, asyncio.Task[None]] = {}
 
     async def serve(self, _: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """One connection, from its beginning to its end; what a watcher says is not read."""
         task = asyncio.current_task()
-        if task is None or len(self._tasks) >= _MOST_WATCHERS:
+        if task is None or len(self._writers) >= _MOST_WATCHERS:
             writer.close()
             return
-        self._tasks.add(task)
+        self._writers[writer] = task
         try:
             await _Watcher(self._conductor, writer).tell()
-        except (ConnectionError, TimeoutError):
+        except* (ConnectionError, TimeoutError):
             _log.info("slicer_gone")
+        except* ServiceError as errors:
+            _log.warning("slicer_left", reasons=[str(error) for error in errors.exceptions])
         finally:
-            self._tasks.discard(task)
+            del self._writers[writer]
             writer.close()
 
     async def end(self) -> None:
-        """Hang up."""
-        for task in tuple(self._tasks):
-            task.cancel()
-            with suppress(asyncio.CancelledError):
-                await task
+        """Hang up, and wait until each has noticed; a connection's task that is cancelled makes asyncio complain."""
+        tasks = list(self._writers.values())
+        for writer in self._writers:
+            writer.close()
+        await asyncio.gather(*tasks)
 
 
 class _Watcher:
@@ -86,12 +88,20 @@ class _Watcher:
         self._told: Scene | None = None
 
     async def tell(self) -> None:
-        """Poses all the time, the rest when it changes; until the connection ends."""
+        """Poses all the time, whatever image work there is, and the rest as it changes; until the connection ends."""
+        async with asyncio.TaskGroup() as telling:
+            telling.create_task(self._tell_poses())
+            telling.create_task(self._tell_scenes())
+
+    async def _tell_poses(self) -> None:
+        while True:
+            await self._tell_pose()
+            await asyncio.sleep(_POSE_STEP_S)
+
+    async def _tell_scenes(self) -> None:
         while True:
             await self._tell_scene()
-            for _ in range(_POSES_A_SCENE):
-                await self._tell_pose()
-                await asyncio.sleep(_POSE_STEP_S)
+            await asyncio.sleep(_SCENE_STEP_S)
 
     async def _tell_pose(self) -> None:
         reading = self._conductor.bridge.watch.reading()
@@ -122,5 +132,7 @@ class _Watcher:
             return original_bytes(connection, image_id)
 
     async def _write(self, message: bytes) -> None:
+        if self._writer.is_closing():
+            raise ConnectionError("the watcher or the service hangs up")
         self._writer.write(message)
         await asyncio.wait_for(self._writer.drain(), _STALLED_S)
