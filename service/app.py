@@ -13,8 +13,8 @@ import service.images.router
 import service.images.uploads
 import service.ledger.router
 import service.pacs.router
-import service.web.router
 import service.slicer.router
+import service.web.router
 from service import room_status
 from service.assembly import assemble
 from service.auth import people

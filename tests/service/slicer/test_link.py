@@ -96,10 +96,10 @@ def test_whoever_watches_is_told_the_pose_the_state_and_the_image(
         pose = _next(connection, "BaseFromGuide").matrix()
         state = arm.state()
         np.testing.assert_allclose(pose, state.base_from_flange_nominal @ state.flange_from_tcp, atol=0.01)
-        (tmp_path / "image.dcm").write_bytes(make_xray())
+        (tmp_path / "image.dcm").write_bytes(make_xray(320, 256))
         port = str(service.parts.dicom_port)
         subprocess.run([storescu, "127.0.0.1", port, tmp_path / "image.dcm"], check=True, timeout=30)
-        assert _next(connection, "CoaxialImage").pixels().shape == (96, 80)
+        assert _next(connection, "CoaxialImage").pixels().shape == (320, 256)
 
 
 def _open_case(service, device_files) -> None:
