@@ -114,3 +114,10 @@ def test_free_address_is_loopback_with_three_free_ports():
     with Controller(ControllerSettings(address)):
         assert len(PORTS) == 3
         assert DASHBOARD_PORT in PORTS
+
+
+def test_no_address_is_given_twice(monkeypatch):
+    drawn = iter([7, 7, 7, 7, 7, 8])
+    monkeypatch.setattr("random.SystemRandom.randint", lambda *_: next(drawn))
+    assert free_loopback_address() == "127.0.7.7"
+    assert free_loopback_address() == "127.0.7.8"
