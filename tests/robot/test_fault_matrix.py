@@ -255,7 +255,7 @@ ROWS = [
         "tcp_changed",
         another_tcp,
         {
-            When.AWAITED: {"tcp_mismatch", "arm_moved_since_permit", "disturbed"},
+            When.AWAITED: {"tcp_mismatch"},
             When.MOVING: {"tcp_changed"},
             When.SETTLING: {"tcp_changed"},
             When.RESTING: {"disturbed"},
