@@ -77,7 +77,7 @@ class Bench:
         goal = arm.base_from_tcp.copy()
         goal[2, 3] += step_mm
         move = BeginMove(
-            permit_id, goal, arm.joints_rad, 20.0, 50.0, step_mm / 20.0 + 0.4, np.eye(4), 1.0,
+            permit_id, goal, arm.joints_rad, 20.0, 50.0, abs(step_mm) / 20.0 + 0.4, np.eye(4), 1.0,
             np.array([0.0, 0.0, 50.0]), 0.05, 3e-4, 0.05, 5.0,
         )  # fmt: skip
         return replace(move, **changes)
