@@ -6,19 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.bands import Shadows
+from vision.crossings import CROSSING_SD, crossings
 from vision.devices import Guide
 from vision.distortion import DistortionMap
 from vision.offsets import DISPLAY_GAMMA
 from vision.projection import View
-from vision.shadows import Window, ball_shadows
-from vision.wire_model import Wire, feet
-from vision.wire_shape import PIXEL_VARIANCE, Profile, ball_profile, wire_profile
+from vision.shadows import Window
+from vision.wire_model import Wire
+from vision.wire_shape import PIXEL_VARIANCE, Profile, ball_profile
 
 Array = NDArray[np.float64]
 
 _REACH = 1.7  # radius of the pixels looked at, in bead radii
 _ROUNDS = 3
-_CROSSING_SD = 0.5  # of what crosses, in its expected absorption
 _GROUND = slice(3, 9)
 _TOGETHER = 2.0  # neighbouring pixels err together, more than on a wire's pieces: measured in rendered scenes
 _LEAST_SD_PX = 0.03
@@ -72,7 +72,7 @@ def measure_bead(
     corrected = distortion.corrected_from_raw(np.column_stack((u + window.left, v + window.top)).astype(np.float64))
     inside = np.linalg.norm(corrected - start_px, axis=1) < reach_px
     corrected, seen = corrected[inside], window.cut(values).ravel()[inside].astype(np.float64)
-    crossing = _crossing(view, guide, distortion, window, shadows, corrected, inside)
+    crossing = crossings(view, guide, distortion, shadows, window, corrected, inside, tuple(Wire))
     centre, variance = start_px, 0.0
     for _ in range(_ROUNDS):
         step, variance = _step(corrected - centre, seen, crossing, profile, reach_px, expected, shadows.blur_px)
@@ -96,33 +96,9 @@ def _step(
         left = seen - design @ solved
         noise = float((weight * left**2).sum()) / max(len(seen) - len(normal), 1)
         held = np.zeros(len(normal))
-        held[_GROUND.stop :] = noise / (_CROSSING_SD * expected) ** 2
+        held[_GROUND.stop :] = noise / (CROSSING_SD * expected) ** 2
         normal = normal + np.diag(held)
     slope_per_px = solved[[4, 5]] / reach_px / DISPLAY_GAMMA
     height = max(float(solved[0]), 0.1 * expected)
     variances = noise * np.diag(np.linalg.inv(normal))[1:3] / height**2
     return solved[1:3] / height - slope_per_px * (blur_px**2 + PIXEL_VARIANCE), float(variances.mean())
-
-
-def _crossing(
-    view: View,
-    guide: Guide,
-    distortion: DistortionMap,
-    window: Window,
-    shadows: Shadows,
-    corrected: Array,
-    inside: NDArray[np.bool_],
-) -> Array:
-    """Columns (n, k) of the wires and balls near enough to matter."""
-    columns = []
-    if len(shadows.balls_raw):
-        ball = ball_profile(shadows.ball_radius_px, shadows.depth, shadows.blur_px)
-        columns.append(ball_shadows(window, shadows.balls_raw, distortion, ball).ravel()[inside])
-    for wire in Wire:
-        at = feet(view, guide, wire, corrected)
-        on_line = (at.along > guide.line_start_mm) & (at.along < guide.line_end_mm)
-        depth_mm = float(view.source_from_guide[2, 3])
-        radius_px = guide.wire_diameter_mm / 2.0 * view.intrinsics.alpha_x_px / depth_mm
-        height = wire_profile(radius_px, shadows.depth, shadows.blur_px).heights(at.distance_px)
-        columns.append(height * on_line if wire is Wire.LINE else height)
-    return np.column_stack([column for column in columns if column.any()] or [np.zeros((len(corrected), 0))])

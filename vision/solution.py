@@ -111,16 +111,16 @@ def _refined(first: FirstView, scene: Scene) -> Round | Refusal:
         view, guide = fit_roughly(view, guide, found.observations, scene.priors)
         if _moved_px(found.observations, before, (view, guide)) < _FAR_PX:
             break
-    ends = measure_line_ends(view, guide, scene.reader, sample_wires(view, guide), scene.balls)
+    ends = _line_ends(view, guide, scene, amplitude)
     measured = measure(view, guide, scene, amplitude, ends, None)
     if isinstance(measured, Refusal):
         return measured
     fit = fit_contour(view, guide, measured.observations, scene.priors, scene.plate)
-    return Round(
-        fit,
-        measured,
-        measure_line_ends(fit.view, fit.guide, scene.reader, sample_wires(fit.view, fit.guide), scene.balls),
-    )
+    return Round(fit, measured, _line_ends(fit.view, fit.guide, scene, measured.amplitude))
+
+
+def _line_ends(view: View, guide: Guide, scene: Scene, amplitude: float) -> list[LineEnd]:
+    return measure_line_ends(view, guide, scene.plate.map, scene.values, shadows_in(scene, amplitude))
 
 
 def _moved_px(observations: Observations, before: tuple[View, Guide], after: tuple[View, Guide]) -> float:

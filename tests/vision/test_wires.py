@@ -1,4 +1,4 @@
-"""Ridge points, profiles and line ends: where a drawn wire is, below the pixel, on tissue and under distortion."""
+"""Ridge points and profiles: where a drawn wire is, below the pixel, on tissue and under distortion."""
 
 from collections.abc import Callable
 
@@ -10,9 +10,8 @@ from vision.absorption import Absorption, absorption
 from vision.curvature import Curvature
 from vision.devices import Guide
 from vision.distortion import DistortionMap
-from vision.line_ends import measure_line_ends
 from vision.profiles import ProfileReader
-from vision.projection import View, project
+from vision.projection import View
 from vision.wire_model import Wire, sample_wires
 from vision.wires import Ridge, ridge_points, wire_curvature_sigma_px
 from vision.xray import XrayImage
@@ -80,33 +79,6 @@ def test_profiles_measure_the_offset_whatever_the_ground(slope: float, off_px: f
     assert np.mean(profiles.offset_px) == pytest.approx(off_px, abs=0.02)
     assert np.std(profiles.offset_px) < 0.15
     assert np.median(profiles.amplitude) == pytest.approx(0.6, rel=0.1)
-
-
-def line_of(view: View, guide: Guide) -> tuple[Array, Array]:
-    """Both ends of the indicator line, corrected px."""
-    start, end = project(view, np.array([[guide.line_start_mm, 0.0, 0.0], [guide.line_end_mm, 0.0, 0.0]]))
-    return start, end
-
-
-@pytest.mark.parametrize("excess_px", [-2.0, 0.0, 1.2])
-def test_line_ends_are_measured_outwards(excess_px: float, make_view: Callable[..., View], guide: Guide) -> None:
-    view = make_view(5.0, 20.0, 30.0)
-    start, end = line_of(view, guide)
-    along = (end - start) / np.linalg.norm(end - start)
-    image = drawn([(start - excess_px * along, end + excess_px * along)])
-    reader, samples = ProfileReader(image, FLAT, WIRE_PX), sample_wires(view, guide)
-    ends = measure_line_ends(view, guide, reader, samples, NO_BALLS)
-    assert ends
-    for found in ends:
-        assert found.excess_px == pytest.approx(excess_px, abs=0.35)  # px: blur of the end on noise
-
-
-def test_an_end_under_a_ball_is_not_guessed(make_view: Callable[..., View], guide: Guide) -> None:
-    view = make_view(5.0, 20.0, 30.0)
-    start, end = line_of(view, guide)
-    reader, samples = ProfileReader(drawn([(start, end)]), FLAT, WIRE_PX), sample_wires(view, guide)
-    balls = np.array([[*end, 3.0]])
-    assert all(found.x_mm != guide.line_end_mm for found in measure_line_ends(view, guide, reader, samples, balls))
 
 
 def test_samples_are_a_pixel_apart_with_normals_across(make_view: Callable[..., View], guide: Guide) -> None:
