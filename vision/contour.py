@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 _TUKEY = 4.685  # standard deviations beyond which an observation has no weight; 95 % efficient on clean data
 _LEAST_WEIGHT = 1e-6  # so that a place without weight keeps a finite variance
-_FIRST_NOISE = WireNoise(own_px=0.3, shared_px=0.0)
+_FIRST_NOISE_PX = 0.3
 _REWEIGHTINGS, _ROUGH_REWEIGHTINGS = 4, 2
 
 
@@ -90,7 +90,7 @@ def fit_contour(view: View, guide: Guide, observations: Observations, priors: Pr
         guide=guide,
         residual_px=found.residual_px,
         weight=found.weight,
-        noise_px=float(np.sqrt(np.median(found.noise.variance(observations.sd_px)))),
+        noise_px=float(np.median(found.noise.sd_px)),
         pulls_sd=pulls_sd,
         strain=strain(pulls_sd, priors.rows(), inverse),
         covariance=inverse,
@@ -124,15 +124,15 @@ def _reweighted(
     observations = places.observations
     width_px = guide.wire_diameter_mm * view.intrinsics.alpha_x_px / float(view.source_from_guide[2, 3])
     neighbours = Neighbours.of(observations.wire, observations.measured, SHARED_OVER * width_px)
-    sd_px, weight, residual = observations.sd_px, np.ones(len(observations.along)), np.zeros(len(observations.along))
-    noise = _FIRST_NOISE
-    covariance = PlaceCovariance.of(noise, sd_px, neighbours, weight, bend.root)
+    weight, residual = np.ones(len(observations.along)), np.zeros(len(observations.along))
+    noise = WireNoise(np.full(len(weight), _FIRST_NOISE_PX), 0.0)
+    covariance = PlaceCovariance.of(noise, neighbours, weight, bend.root)
     for _ in range(reweightings):
         view, guide = solve_view(view, guide, places, priors, covariance)
         residual = bend.corrected_residual(places.residual_px(view, guide), covariance)
-        noise = WireNoise.measured(residual, sd_px, weight > 0.0, neighbours)
-        weight = np.clip(1.0 - residual**2 / (_TUKEY**2 * noise.variance(sd_px)), 0.0, None) ** 2
-        covariance = PlaceCovariance.of(noise, sd_px, neighbours, np.maximum(weight, _LEAST_WEIGHT), bend.root)
+        noise = WireNoise.measured(residual, observations.sd_px, weight > 0.0, neighbours)
+        weight = np.clip(1.0 - residual**2 / (_TUKEY * noise.sd_px) ** 2, 0.0, None) ** 2
+        covariance = PlaceCovariance.of(noise, neighbours, np.maximum(weight, _LEAST_WEIGHT), bend.root)
     return _Reweighted(view, guide, residual, weight, noise, covariance)
 
 

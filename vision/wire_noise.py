@@ -1,8 +1,9 @@
 """How the places on the wires scatter: each on its own, together with its neighbours, and with the distortion map.
 
-Bone and tissue beside a wire push a whole stretch of it to one side, so neighbours err together. How much is measured
-in the residuals of the image; over which length is the ground's nature. Correlation that falls exponentially along a
-wire has an inverse with three diagonals, and the map has few coefficients: no matrix of all places is ever made.
+Bone and tissue beside a wire push a stretch of it to one side: by how much differs from stretch to stretch, and
+neighbours err together. Both are measured in the residuals of the image; over which length is the ground's nature.
+Correlation that falls exponentially along a wire has an inverse with three diagonals, and the map has few coefficients:
+no matrix of all places is ever made.
 """
 
 from dataclasses import dataclass
@@ -17,7 +18,10 @@ LEAST_NOISE_PX = 0.02  # of one place: the shadow's model is no better
 SHARED_OVER = 1.5  # length in wire widths over which the common error falls to 1/e: measured in rendered scenes
 _FARTHEST_PAIR = 0.1  # correlation below which two places tell nothing about the common error
 _GREATEST_ALIKE = 1.0 - 1e-9  # of two places at one spot: the inverse stays finite
-_ROBUST = 1.4826  # standard deviation of a Gaussian by its median absolute deviation
+_MOST_SHARED = 0.95  # of the variance: some of it is each pixel's own noise
+_MEDIAN_SQUARE = 0.4549  # of a Gaussian of standard deviation 1
+_GREATEST_SQUARE = 22.0  # about Tukey's 4.685 standard deviations squared: what lies farther off is another thing
+_USUAL_PLACES = 2.0  # how many places of the usual scatter stand beside the neighbours': some five of them differ
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,6 +52,14 @@ class Neighbours:
             far = far[:-1] * self.alike[len(found) :]
         return found
 
+    def around(self, values: Array) -> Array:
+        """Sums (n,) of the others' values (n,), by their correlation."""
+        total = np.zeros(len(values))
+        for apart, alike in enumerate(self.pairs(), 1):
+            total[:-apart] += alike * values[apart:]
+            total[apart:] += alike * values[:-apart]
+        return total
+
     def precision(self) -> Array:
         """Inverse of the correlation matrix: its diagonal, and the one above it after a place of no meaning; (2, n)."""
         apart = 1.0 - self.alike**2
@@ -58,80 +70,103 @@ class Neighbours:
         return bands
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class WireNoise:
-    """Standard deviations beyond the pixels' own noise, px: of each place for itself, and common to neighbours."""
+    """Standard deviation of each place (n,), px, and which share of the variances is common to neighbours."""
 
-    own_px: float
-    shared_px: float
+    sd_px: Array
+    shared: float
 
     @classmethod
     def measured(cls, residual_px: Array, sd_px: Array, seen: NDArray[np.bool_], neighbours: Neighbours) -> "WireNoise":
-        """From residuals (n,), the pixels' share of them (n,), and which of the places are seen (n,)."""
-        typical = (_ROBUST * float(np.median(np.abs(residual_px)))) ** 2
-        product = size = 0.0
-        inner = np.where(seen, residual_px, 0.0)
-        for apart, alike in enumerate(neighbours.pairs(), 1):
-            product += float((inner[:-apart] * inner[apart:]) @ alike)
-            size += float((seen[:-apart] & seen[apart:]) @ alike**2)
-        shared = min(max(product / max(size, 1e-9), 0.0), typical)
-        own = max(typical - shared - float(np.median(sd_px)) ** 2, LEAST_NOISE_PX**2)
-        return cls(float(np.sqrt(own)), float(np.sqrt(shared)))
+        """What residuals show.
 
-    def variance(self, sd_px: Array) -> Array:
-        """Of each place (n,), px^2."""
-        return np.asarray(sd_px**2 + self.own_px**2 + self.shared_px**2)
+        Parameters
+        ----------
+        residual_px : Array
+            (n,).
+        sd_px : Array
+            (n,): the pixels' share of them.
+        seen : NDArray[np.bool_]
+            (n,): which places the fit rests on.
+        neighbours : Neighbours
+            Of the places.
+
+        Notes
+        -----
+        The pixels' share, averaged over neighbours, has the right course along the wires, since what the ground hides
+        is in it too, but not the size: that is the residuals' median. Where the neighbours of a place scatter more or
+        less than that, so does the place; its own residual is left to the robust weights, and places that these have
+        given up tell nothing of the others.
+        """
+        every, there = np.ones(len(sd_px)), seen.astype(np.float64)
+        usual = (sd_px**2 + neighbours.around(sd_px**2)) / (1.0 + neighbours.around(every))
+        usual = np.maximum(usual, LEAST_NOISE_PX**2)
+        usual *= max(float(np.median(residual_px**2 / usual)) / _MEDIAN_SQUARE, 1.0)
+        square = np.minimum(residual_px**2 / usual, _GREATEST_SQUARE)
+        scatter = (_USUAL_PLACES + neighbours.around(there * square)) / (_USUAL_PLACES + neighbours.around(there))
+        sd_px = np.sqrt(usual * scatter)
+        return cls(sd_px, _shared(np.where(seen, residual_px / sd_px, 0.0), seen, neighbours))
+
+
+def _shared(deviations: Array, seen: NDArray[np.bool_], neighbours: Neighbours) -> float:
+    """Which share of the variance of deviations (n,) of spread 1 neighbours have in common."""
+    product = size = 0.0
+    for apart, alike in enumerate(neighbours.pairs(), 1):
+        product += float((deviations[:-apart] * deviations[apart:]) @ alike)
+        size += float((seen[:-apart] & seen[apart:]) @ alike**2)
+    return min(max(product / max(size, 1e-9), 0.0), _MOST_SHARED)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaceCovariance:
-    """Covariance of all places' errors, px^2: W^-1/2 (D + s^2 N) W^-1/2 + B B^T.
+    """Covariance of all places' errors, px^2: S ((1 - s) 1 + s N) S + B B^T.
 
-    D are the places' own variances, N the correlation of the common error, W their weights, B the map's share.
+    S are the places' standard deviations, those of little weight taken for noisier, N the correlation of the common
+    error and s its share, B the map's part.
 
     Attributes
     ----------
-    root_weight : Array
-        (n,): roots of W.
-    own, bands : Array
-        (n,) and (2, n): D, and D^-1 + (s^2 N)^-1, the diagonal below the one above it; no bands where nothing is
-        shared.
+    per_sd : Array
+        (n,): S^-1.
+    own : float
+        1 - s.
+    bands : Array or None
+        (2, n): 1 / (1 - s) + (s N)^-1, the diagonal below the one above it; none where nothing is shared.
     bend : Array
         (n, m): B.
     held, inner : Array
         (n, m) and (m, m): B behind the inverse of the first term, and the inverse of 1 + B^T of that.
     """
 
-    root_weight: Array
-    own: Array
+    per_sd: Array
+    own: float
     bands: Array | None
     bend: Array
     held: Array
     inner: Array
 
     @classmethod
-    def of(
-        cls, noise: WireNoise, sd_px: Array, neighbours: Neighbours, weight: Array, bend: Array
-    ) -> "PlaceCovariance":
-        """Of places (n,) by their noise and weight; those of little weight are taken for noisier."""
-        own, bands = sd_px**2 + noise.own_px**2, None
-        if noise.shared_px > 0.0:
-            bands = neighbours.precision() / noise.shared_px**2
+    def of(cls, noise: WireNoise, neighbours: Neighbours, weight: Array, bend: Array) -> "PlaceCovariance":
+        """Of places (n,) by their noise and weight."""
+        own, bands = 1.0 - noise.shared, None
+        if noise.shared > 0.0:
+            bands = neighbours.precision() / noise.shared
             bands[1] += 1.0 / own
-        root = np.sqrt(weight)
-        held = _without_map(root, own, bands, bend)
+        per_sd = np.sqrt(weight) / noise.sd_px
+        held = _without_map(per_sd, own, bands, bend)
         inner = np.linalg.inv(np.eye(bend.shape[1]) + bend.T @ held)
-        return cls(root, own, bands, bend, held, np.asarray(inner, dtype=np.float64))
+        return cls(per_sd, own, bands, bend, held, np.asarray(inner, dtype=np.float64))
 
     def solved(self, values: Array) -> Array:
         """The inverse covariance times values (n, k)."""
-        first = _without_map(self.root_weight, self.own, self.bands, values)
+        first = _without_map(self.per_sd, self.own, self.bands, values)
         return np.asarray(first - self.held @ (self.inner @ (self.held.T @ values)))
 
 
-def _without_map(root_weight: Array, own: Array, bands: Array | None, values: Array) -> Array:
-    """The inverse of W^-1/2 (D + s^2 N) W^-1/2 times values (n, k), by Woodbury's identity."""
-    alone = values * (root_weight / own)[:, None]
+def _without_map(per_sd: Array, own: float, bands: Array | None, values: Array) -> Array:
+    """The inverse of S ((1 - s) 1 + s N) S times values (n, k), by Woodbury's identity."""
+    alone = values * (per_sd / own)[:, None]
     if bands is not None:
-        alone -= solveh_banded(bands, alone, check_finite=False) / own[:, None]
-    return np.asarray(alone * root_weight[:, None])
+        alone -= solveh_banded(bands, alone, check_finite=False) / own
+    return np.asarray(alone * per_sd[:, None])
