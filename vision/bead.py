@@ -23,6 +23,7 @@ LEAST_EXPLAINED = 0.25  # share of the patch's variation that the bead must expl
 CLEAR_WIN = 20.0  # difference of the logarithms of the two likelihoods
 GREATEST_OTHER = 0.5  # of the amplitude at the place that wins: what the place that loses may have
 _PATCH = 1.8  # half side, in bead radii
+_GROUND_ORDER = 3  # of the ground's polynomial: with less, bone's edges and end plates look like half a bead
 _LEAST_SIZE = 1e-9  # of the ground's largest direction; below it a column says what others say
 _SEARCH_PX = 3.0  # around the predicted place: the first pose's error at the bead
 
@@ -150,12 +151,13 @@ def _evidence(
 
 
 def _ground(patch: _Patch, reader: ProfileReader, crossing: Crossing) -> Array:
-    """Orthonormal columns of what may be there besides the bead: a sloping ground, wires, balls."""
+    """Orthonormal columns of what may be there besides the bead: a bending ground, wires, balls."""
     grid = patch.pixels
     middle = grid.mean(axis=0)
     centred = grid - middle
     half_side_px = float(np.abs(centred).max())
-    columns = [np.ones(len(grid)), centred[:, 0], centred[:, 1]]
+    u, v = (centred / half_side_px).T
+    columns = [u**i * v**j for i in range(_GROUND_ORDER + 1) for j in range(_GROUND_ORDER + 1 - i)]
     near = crossing.wires[((crossing.wires - middle) ** 2).sum(axis=1) < (2.0 * half_side_px) ** 2]
     if len(near):
         distance, _ = KDTree(near).query(grid)
