@@ -62,7 +62,7 @@ def correct(image: XrayImage, carm: CArm) -> CorrectedImage | Refusal:
     -------
     CorrectedImage or Refusal
         `no_guide_found` where hardly any beam arrived, `plate_missing`, `plate_too_sparse`, `plate_unexpected` where
-        the file knows of none, or `scale_mismatch` where the plate contradicts the file's pixel size.
+        the file knows of none, or `scale_mismatch` where plate or header contradict the file's pixel size.
     """
     seen = absorption(image)
     field_share = seen.field_area_px / seen.inside.size
@@ -70,6 +70,8 @@ def correct(image: XrayImage, carm: CArm) -> CorrectedImage | Refusal:
         message = "share of the image that the beam reached"
         return Refusal(RefusalCode.NO_GUIDE_FOUND, message, field_share, _LEAST_FIELD_SHARE)
     file_pixel_mm = carm.field_of_view_mm / max(image.rows, image.columns)
+    if (told := _told_otherwise(image, carm, file_pixel_mm)) is not None:
+        return told
     if carm.plate is None:
         return _without_plate(seen, image, file_pixel_mm)
     lattice = find_lattice(seen, carm.plate, file_pixel_mm)
@@ -78,6 +80,12 @@ def correct(image: XrayImage, carm: CArm) -> CorrectedImage | Refusal:
     plate = fit(lattice.raw, lattice.places, image.rows, image.columns, carm.plate.ball_spacing_mm)
     refusal = gates.check_scale(plate.map.pixel_size_mm, file_pixel_mm)
     return refusal or CorrectedImage(seen, plate, carm.plate.ball_diameter_mm / 2.0 / plate.map.pixel_size_mm)
+
+
+def _told_otherwise(image: XrayImage, carm: CArm, file_pixel_mm: float) -> Refusal | None:
+    """H06: another field than the file's, where the image's header tells it; an intensifier's size is nominal."""
+    greatest_off = gates.GREATEST_TOLD_SCALE_OFF if carm.plate is None else gates.GREATEST_SCALE_OFF
+    return None if image.pixel_mm is None else gates.check_told_scale(image.pixel_mm, file_pixel_mm, greatest_off)
 
 
 def _without_plate(seen: Absorption, image: XrayImage, file_pixel_mm: float) -> CorrectedImage | Refusal:

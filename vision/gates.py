@@ -12,7 +12,8 @@ from vision.line_ends import LineEnd
 from vision.priors import VIEW_PARAMETERS
 from vision.projection import View, project
 from vision.refusal import Refusal, RefusalCode
-from vision.registered import PredictedError
+from vision.registered import DEFAULT_DEPTH_MM, PredictedError
+from vision.strain import Strain
 from vision.uncertainty import aim_errors
 from vision.view_fit import Observations
 from vision.wire_model import Wire, WireSamples
@@ -29,8 +30,9 @@ LEAST_LINE_COVERAGE_WITHOUT_ENDS = 0.7  # where rings or balls cover both ends, 
 GREATEST_GAP_RAD = math.radians(100.0)  # of a ring, though nothing known covers it: less than 260 deg hold it loosely
 GREATEST_BEAD_SD = math.sqrt(chi2.isf(FALSE_REFUSAL, 2))
 GREATEST_SCALE_OFF = 0.06  # relative: the plate's pixel size against the C-arm file's; distances of plate and SID
-GREATEST_PREDICTED_RAD = math.radians(0.25)  # half of what counts as a wrong registration, 0.5 deg and 1.0 mm
-GREATEST_PREDICTED_MM = 0.5
+GREATEST_TOLD_SCALE_OFF = 0.01  # relative, of a panel: fields of view are told to the millimetre, of 100 mm or more
+WRONG_RAD, WRONG_MM = math.radians(0.5), 1.0  # what counts as a wrong registration
+GREATEST_PREDICTED_RAD, GREATEST_PREDICTED_MM = WRONG_RAD / 2.0, WRONG_MM / 2.0
 _AIMS_MM = 40.0 * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])  # as far as guides are moved
 _SECTORS = 72
 
@@ -41,6 +43,15 @@ def check_scale(fitted_mm: float, file_mm: float) -> Refusal | None:
     if not off <= GREATEST_SCALE_OFF:
         message = "the pixel size by the plate contradicts the C-arm file (relative)"
         return Refusal(RefusalCode.SCALE_MISMATCH, message, off, GREATEST_SCALE_OFF)
+    return None
+
+
+def check_told_scale(told_mm: float, file_mm: float, greatest_off: float) -> Refusal | None:
+    """H06: the pixel size that the image's own header tells against the C-arm file's."""
+    off = abs(told_mm / file_mm - 1.0)
+    if not off <= greatest_off:
+        message = "the pixel size that the image's header tells contradicts the C-arm file (relative)"
+        return Refusal(RefusalCode.SCALE_MISMATCH, message, off, greatest_off)
     return None
 
 
@@ -68,22 +79,37 @@ def check_pulls(fit: ContourFit) -> Refusal | None:
 
 
 def check_trust(fit: ContourFit, guide: Guide) -> Refusal | None:
-    """No single quantity of the files may decide the aim against the image.
+    """No single quantity of the files may make an aim wrong, of targets about as far away as guides are moved.
 
     The aim is computed once more without trust in each of them. A wrong dimension that the pulls do not yet show, as a
     ring separation 5 % off, moves the aim by what it would cost.
     """
-    places = np.column_stack((_AIMS_MM, np.zeros(len(_AIMS_MM))))
-    pixels = project(fit.view, places)
-    worst = aim_errors(fit.view, fit.strain.freed_steps[:, :VIEW_PARAMETERS], guide, pixels).max(axis=1)
-    for name, (angle_rad, position_mm) in zip(fit.strain.names, worst.tolist(), strict=True):
-        if not angle_rad <= GREATEST_PREDICTED_RAD:
+    pixels = project(fit.view, np.column_stack((_AIMS_MM, np.zeros(len(_AIMS_MM)))))
+    return _check_freed(fit.view, fit.strain, guide, pixels, DEFAULT_DEPTH_MM, (WRONG_RAD, WRONG_MM))
+
+
+def check_trust_at(view: View, strain: Strain, guide: Guide, pixel: Array, depth_mm: float) -> Refusal | None:
+    """The same at a target's own pixel (2,), where half of that is too much.
+
+    What the image makes of a quantity scatters about the truth, so half-way between right and wrong both mistakes are
+    equally rare: to refuse right files, and to accept ones that make the aim wrong.
+    """
+    limits = GREATEST_PREDICTED_RAD, GREATEST_PREDICTED_MM
+    return _check_freed(view, strain, guide, pixel[None], depth_mm, limits)
+
+
+def _check_freed(
+    view: View, strain: Strain, guide: Guide, pixels: Array, depth_mm: float, limits: tuple[float, float]
+) -> Refusal | None:
+    greatest_rad, greatest_mm = limits
+    worst = aim_errors(view, strain.freed_steps[:, :VIEW_PARAMETERS], guide, pixels, depth_mm).max(axis=1)
+    for name, (angle_rad, position_mm) in zip(strain.names, worst.tolist(), strict=True):
+        if not angle_rad <= greatest_rad:
             message = f"the aim hangs on the file's {name}: without it, it turns (deg)"
-            limit = math.degrees(GREATEST_PREDICTED_RAD)
-            return Refusal(RefusalCode.GUIDE_MISMATCH, message, math.degrees(angle_rad), limit)
-        if not position_mm <= GREATEST_PREDICTED_MM:
+            return Refusal(RefusalCode.GUIDE_MISMATCH, message, math.degrees(angle_rad), math.degrees(greatest_rad))
+        if not position_mm <= greatest_mm:
             message = f"the aim hangs on the file's {name}: without it, it moves (mm)"
-            return Refusal(RefusalCode.GUIDE_MISMATCH, message, position_mm, GREATEST_PREDICTED_MM)
+            return Refusal(RefusalCode.GUIDE_MISMATCH, message, position_mm, greatest_mm)
     return None
 
 
@@ -159,16 +185,21 @@ def check_bead(distance_sd: float) -> Refusal | None:
 
 
 def check_predicted(predicted: PredictedError) -> Refusal | None:
-    """The 95 % bounds of the targeting error."""
-    if not predicted.angle_rad <= GREATEST_PREDICTED_RAD:
-        message = "the predicted angle error is too high (deg, 95 %)"
-        return Refusal(
-            RefusalCode.PREDICTED_ERROR_TOO_HIGH,
-            message,
-            math.degrees(predicted.angle_rad),
-            math.degrees(GREATEST_PREDICTED_RAD),
-        )
-    if not predicted.position_mm <= GREATEST_PREDICTED_MM:
-        message = "the predicted position error is too high (mm, 95 %)"
-        return Refusal(RefusalCode.PREDICTED_ERROR_TOO_HIGH, message, predicted.position_mm, GREATEST_PREDICTED_MM)
+    """The 95 % bounds of the targeting error, of a target where the guide is."""
+    return _check_bounds(predicted, GREATEST_PREDICTED_RAD, GREATEST_PREDICTED_MM)
+
+
+def check_aim(predicted: PredictedError) -> Refusal | None:
+    """The same at a target's own pixel and depth: beyond what counts as wrong nobody may aim, whoever decides."""
+    return _check_bounds(predicted, WRONG_RAD, WRONG_MM)
+
+
+def _check_bounds(predicted: PredictedError, greatest_rad: float, greatest_mm: float) -> Refusal | None:
+    for quantity, unit, measured, limit in (
+        ("angle", "deg", math.degrees(predicted.angle_rad), math.degrees(greatest_rad)),
+        ("position", "mm", predicted.position_mm, greatest_mm),
+    ):
+        if not measured <= limit:
+            message = f"the predicted {quantity} error is too high ({unit}, 95 %)"
+            return Refusal(RefusalCode.PREDICTED_ERROR_TOO_HIGH, message, measured, limit)
     return None

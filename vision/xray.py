@@ -14,6 +14,7 @@ import numpy as np
 import pydicom
 from numpy.typing import NDArray
 from PIL import Image
+from PIL.TiffImagePlugin import TiffImageFile
 from pydicom.pixels import pixel_array
 
 from vision.refusal import Refusal, RefusalCode
@@ -26,6 +27,7 @@ _DICOM_MAGIC = b"DICM"
 _XRAY_MODALITIES = frozenset({"XA", "RF", "CR", "DX", "OT"})
 _POLARITIES = frozenset({"MONOCHROME1", "MONOCHROME2"})
 _PICTURE_FORMATS = ("PNG", "TIFF")
+_TIFF_PHOTOMETRIC = 262  # tag; 0: the least value is white
 _PICTURE_BITS = {"L": 8, "I;16": 16, "I;16B": 16, "I;16L": 16}
 
 
@@ -41,11 +43,14 @@ class XrayImage:
         Bits that the pixels use: 12 bits are often kept in files of 16.
     sha256 : str
         Of the bytes as they arrived.
+    pixel_mm : float or None
+        Size of a pixel at the detector, where the file tells it.
     """
 
     pixels: NDArray[np.float32]
     bits: int
     sha256: str
+    pixel_mm: float | None = None
 
     @property
     def rows(self) -> int:
@@ -56,6 +61,16 @@ class XrayImage:
     def columns(self) -> int:
         """Width in pixels."""
         return int(self.pixels.shape[1])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Stored:
+    """Values (rows, columns) as a file holds them; `dense_is_bright` where less beam is a greater value."""
+
+    values: NDArray[Any]
+    bits: int
+    dense_is_bright: bool
+    pixel_mm: float | None = None
 
 
 def decode(data: bytes, frame: int | None = None) -> XrayImage | Refusal:
@@ -82,24 +97,28 @@ def decode(data: bytes, frame: int | None = None) -> XrayImage | Refusal:
         stored = _decode_dicom(data, frame) if is_dicom else _decode_picture(data, frame)
     if isinstance(stored, Refusal):
         return stored
-    values, bits, inverted = stored
+    values, bits = stored.values, stored.bits
     if bits == _DEPTHS[-1]:
         bits = next(depth for depth in _DEPTHS if values.max() < 2**depth)
     pixels = values.astype(np.float32) / np.float32(2**bits - 1)
-    return XrayImage(1.0 - pixels if inverted else pixels, bits, hashlib.sha256(data).hexdigest())
+    shown = 1.0 - pixels if stored.dense_is_bright else pixels
+    return XrayImage(shown, bits, hashlib.sha256(data).hexdigest(), stored.pixel_mm)
 
 
 def stored_pixels(data: bytes) -> NDArray[Any] | Refusal:
-    """The grey values (rows, columns) of a PNG or TIFF as they are stored, uint8 or uint16; refused as by `decode`."""
+    """The grey values (rows, columns) of a PNG or TIFF, uint8 or uint16, dark where dense; refused as by `decode`."""
     if len(data) > GREATEST_BYTES:
         return Refusal(RefusalCode.IMAGE_TOO_LARGE, "the file's size in bytes", len(data), GREATEST_BYTES)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # as above
         stored = _decode_picture(data, None)
-    return stored if isinstance(stored, Refusal) else stored[0]
+    if isinstance(stored, Refusal):
+        return stored
+    values = stored.values
+    return np.iinfo(values.dtype).max - values if stored.dense_is_bright else values
 
 
-def _decode_picture(data: bytes, frame: int | None) -> tuple[NDArray[Any], int, bool] | Refusal:
+def _decode_picture(data: bytes, frame: int | None) -> _Stored | Refusal:
     if frame not in (None, 1):
         return Refusal(RefusalCode.UNSUPPORTED_IMAGE, "frames are chosen in DICOM images only", frame, 1)
     try:
@@ -111,12 +130,18 @@ def _decode_picture(data: bytes, frame: int | None) -> tuple[NDArray[Any], int, 
             bits = _PICTURE_BITS.get(picture.mode)
             if bits is None:
                 return _unsupported(f"pixels of mode {picture.mode}; 8 or 16 bit grey values are needed")
-            return np.array(picture), bits, False
+            # of 16 bits Pillow hands out what the file holds, of 8 it turns the polarity itself
+            white_is_zero = bits > 8 and _tiff_tag(picture, _TIFF_PHOTOMETRIC) == 0
+            return _Stored(np.array(picture), bits, white_is_zero)
     except (OSError, ValueError, SyntaxError, OverflowError, MemoryError, Image.DecompressionBombError) as error:
         return _unreadable(error)
 
 
-def _decode_dicom(data: bytes, frame: int | None) -> tuple[NDArray[Any], int, bool] | Refusal:
+def _tiff_tag(picture: Image.Image, tag: int) -> Any:
+    return picture.tag_v2.get(tag) if isinstance(picture, TiffImageFile) else None
+
+
+def _decode_dicom(data: bytes, frame: int | None) -> _Stored | Refusal:
     try:
         dataset = pydicom.dcmread(io.BytesIO(data))
         return _dicom_pixels(dataset, frame)
@@ -125,7 +150,7 @@ def _decode_dicom(data: bytes, frame: int | None) -> tuple[NDArray[Any], int, bo
         return _unreadable(error)
 
 
-def _dicom_pixels(dataset: Any, frame: int | None) -> tuple[NDArray[Any], int, bool] | Refusal:
+def _dicom_pixels(dataset: Any, frame: int | None) -> _Stored | Refusal:
     refusal = _check_dicom_header(dataset)
     if refusal is not None:
         return refusal
@@ -137,7 +162,22 @@ def _dicom_pixels(dataset: Any, frame: int | None) -> tuple[NDArray[Any], int, b
     bits = int(dataset.BitsStored)
     if int(dataset.PixelRepresentation):
         values = values.astype(np.int32) + 2 ** (bits - 1)
-    return np.clip(values, 0, 2**bits - 1), bits, dataset.PhotometricInterpretation == "MONOCHROME1"
+    return _Stored(np.clip(values, 0, 2**bits - 1), bits, _dense_is_bright(dataset), _told_pixel_mm(dataset))
+
+
+def _dense_is_bright(dataset: Any) -> bool:
+    """Whether greater values mean less beam: PS3.3 C.8.11.3.1.2 says it; without that, what is shown dark is dense."""
+    sign = dataset.get("PixelIntensityRelationshipSign")
+    return bool(dataset.PhotometricInterpretation == "MONOCHROME1") if sign is None else int(sign) < 0
+
+
+def _told_pixel_mm(dataset: Any) -> float | None:
+    """A pixel's size at the detector: by its spacing, else by the field of view; the greater where it is not square."""
+    if spacing := dataset.get("ImagerPixelSpacing"):
+        return float(max(spacing))
+    if field := dataset.get("FieldOfViewDimensions"):
+        return float(np.max(field)) / max(int(dataset.Rows), int(dataset.Columns))
+    return None
 
 
 def _check_dicom_header(dataset: Any) -> Refusal | None:

@@ -13,9 +13,9 @@ from vision.contour import ContourFit
 from vision.devices import Guide
 from vision.distortion import DistortionMap
 from vision.line_ends import LineEnd
-from vision.projection import Intrinsics, View
+from vision.projection import Intrinsics, View, project
 from vision.refusal import Refusal, RefusalCode
-from vision.registered import PredictedError
+from vision.registered import DEFAULT_DEPTH_MM, PredictedError
 from vision.strain import Strain
 from vision.view_fit import Observations
 from vision.wire_model import Wire, WireSamples
@@ -160,9 +160,9 @@ def test_pulls_that_are_no_numbers_are_refused(fit: ContourFit) -> None:
     assert gates.check_pulls(strained(fit, joint=math.nan)) is not None
 
 
-def test_an_aim_that_hangs_on_one_dimension_is_refused(fit: ContourFit, guide: Guide) -> None:
-    """A turn about the source's x axis by as much turns the aim; a turn of 0.2 deg moves it 0.49 mm at the target."""
-    turn, steps = np.radians(0.2), np.zeros((7, 13))
+def test_a_registration_that_hangs_on_one_dimension_is_refused(fit: ContourFit, guide: Guide) -> None:
+    """A turn about the source's x axis by as much turns the aim; a turn of 0.4 deg moves it 0.98 mm at the target."""
+    turn, steps = np.radians(0.4), np.zeros((7, 13))
     for factor, passes in ((0.9, True), (1.3, False)):
         steps[6, 4] = turn * factor
         refusal = gates.check_trust(strained(fit, freed_steps=steps), guide)
@@ -173,10 +173,14 @@ def test_an_aim_that_hangs_on_one_dimension_is_refused(fit: ContourFit, guide: G
 def test_an_aim_is_judged_where_targets_are_not_only_under_the_guide(fit: ContourFit, guide: Guide) -> None:
     """A longer source distance with the guide as much farther changes the aim to the side alone."""
     steps = np.zeros((7, 13))
-    steps[0, [0, 1, 9]] = 0.2 * np.array([2844.0, 2844.0, 750.0])
+    steps[0, [0, 1, 9]] = 0.4 * np.array([2844.0, 2844.0, 750.0])
     refusal = gates.check_trust(strained(fit, freed_steps=steps), guide)
     assert refusal is not None
     assert "source_to_image" in refusal.message
+    strain, view = strained(fit, freed_steps=steps / 2.0).strain, fit.view
+    beside, under = (project(view, np.array([[x_mm, 0.0, 0.0]]))[0] for x_mm in (40.0, 0.0))
+    assert gates.check_trust_at(view, strain, guide, under, DEFAULT_DEPTH_MM) is None
+    assert gates.check_trust_at(view, strain, guide, beside, DEFAULT_DEPTH_MM) is not None
 
 
 @pytest.mark.parametrize(("distance_sd", "passes"), [(4.2, True), (4.4, False), (math.nan, False)])
@@ -210,6 +214,27 @@ def test_residual_scale_and_predicted_errors_are_limited(fit: ContourFit) -> Non
         predicted = gates.check_predicted(PredictedError(angle_rad, position_mm, 80.0))
         assert predicted is not None
         assert predicted.code is RefusalCode.PREDICTED_ERROR_TOO_HIGH
+
+
+def test_an_aim_may_be_as_unsure_as_a_wrong_one_and_no_more() -> None:
+    angle_rad, position_mm = gates.WRONG_RAD, gates.WRONG_MM
+    just_right = PredictedError(angle_rad * LIMIT_JUST_BELOW, position_mm * LIMIT_JUST_BELOW, 80.0)
+    assert gates.check_aim(just_right) is None
+    for changes in (
+        {"angle_rad": angle_rad * LIMIT_JUST_ABOVE},
+        {"position_mm": position_mm * LIMIT_JUST_ABOVE},
+        {"angle_rad": math.nan},
+    ):
+        refusal = gates.check_aim(replace(just_right, **changes))
+        assert refusal is not None
+        assert refusal.code is RefusalCode.PREDICTED_ERROR_TOO_HIGH
+
+
+@pytest.mark.parametrize(("told_mm", "passes"), [(0.3516, True), (0.3549, True), (0.3553, False), (0.0, False)])
+def test_a_panel_s_pixel_size_is_held_to_what_the_header_tells(told_mm: float, passes: bool) -> None:
+    refusal = gates.check_told_scale(told_mm, 0.3516, gates.GREATEST_TOLD_SCALE_OFF)
+    assert (refusal is None) is passes
+    assert refusal is None or refusal.code is RefusalCode.SCALE_MISMATCH
 
 
 def test_a_scale_that_is_no_number_is_refused() -> None:

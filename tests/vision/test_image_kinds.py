@@ -16,7 +16,9 @@ from pydicom.uid import ExplicitVRLittleEndian, XRayAngiographicImageStorage
 from simulator.carm.drawing import PIXEL_MM, random_scene
 from simulator.carm.render import RenderedXray, render
 from simulator.carm.scene import Scene
+from vision.corrected_image import correct
 from vision.devices import CArm, Guide
+from vision.refusal import Refusal, RefusalCode
 from vision.registered import PixelSpace, Registration
 from vision.registration import register
 from vision.targeting import Targeting, target
@@ -159,3 +161,14 @@ def test_every_depth_and_polarity_registers(
     if photometric == "MONOCHROME1":
         values = (2**bits - 1 - values).astype(np.uint16)
     assert_aims(decode(dicom(values, stored_in, photometric)), guide, intensifier, xray.truth)
+
+
+@pytest.mark.parametrize("share", [0.8, 0.97, 1.03, 1.25])
+def test_a_panel_s_other_field_is_refused_where_the_header_tells_it(share: float, flat_panel: CArm) -> None:
+    pixels = np.full((512, 512), 0.5, dtype=np.float32)
+    file_mm = flat_panel.field_of_view_mm / 512.0
+    refusal = correct(XrayImage(pixels, 16, "0" * 64, file_mm * share), flat_panel)
+    assert isinstance(refusal, Refusal)
+    assert refusal.code is RefusalCode.SCALE_MISMATCH
+    assert refusal.measured == pytest.approx(abs(share - 1.0))
+    assert not isinstance(correct(XrayImage(pixels, 16, "0" * 64, file_mm), flat_panel), Refusal)

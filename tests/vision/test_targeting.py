@@ -207,3 +207,21 @@ def test_deeper_target_has_the_same_move_and_a_wider_bound(
     assert near.guide_from_goal.tolist() == far.guide_from_goal.tolist()
     assert far.predicted_error_95.position_mm > near.predicted_error_95.position_mm
     assert far.predicted_error_95.depth_mm == 160.0
+
+
+def test_a_target_where_the_aim_may_be_wrong_is_refused(
+    vector_view: View, make_registration: Callable[..., Registration]
+) -> None:
+    sure = make_registration(vector_view)
+    near, far = (511.5, 511.5), (60.0, 60.0)
+    doubtful = next(
+        unsure
+        for factor in np.geomspace(1.0, 1e8, 100)
+        if isinstance(
+            target(unsure := replace(sure, covariance=sure.covariance * factor), far, PixelSpace.RAW), Refusal
+        )
+    )
+    refusal = target(doubtful, far, PixelSpace.RAW)
+    assert isinstance(refusal, Refusal)
+    assert refusal.code is RefusalCode.PREDICTED_ERROR_TOO_HIGH
+    assert isinstance(target(doubtful, near, PixelSpace.RAW), Targeting)

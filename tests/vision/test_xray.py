@@ -76,6 +76,32 @@ def test_monochrome1_is_turned_so_that_dense_is_dark() -> None:
     assert np.allclose(bright.pixels + dark.pixels, 1.0, atol=1e-6)
 
 
+@pytest.mark.parametrize("photometric", ["MONOCHROME1", "MONOCHROME2"])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_sign_of_the_values_decides_however_they_are_shown(photometric: str, sign: int) -> None:
+    told = decoded(dicom(RAMP, PhotometricInterpretation=photometric, PixelIntensityRelationshipSign=sign))
+    expected = RAMP / 4095.0 if sign == 1 else 1.0 - RAMP / 4095.0
+    assert np.allclose(told.pixels, expected, atol=1e-6)
+
+
+def test_a_tiff_in_which_the_least_value_is_white_is_turned() -> None:
+    for values, shown in (
+        (RAMP * 200, 1.0 - RAMP * 200 / 65535.0),
+        ((RAMP % 256).astype(np.uint8), RAMP % 256 / 255.0),
+    ):
+        out = io.BytesIO()
+        Image.fromarray(values).save(out, format="TIFF", tiffinfo={262: 0})  # turns values of 8 bits itself
+        assert np.allclose(decoded(out.getvalue()).pixels, shown, atol=1e-5)
+
+
+def test_the_pixel_size_is_that_of_the_header() -> None:
+    assert decoded(picture(RAMP * 200)).pixel_mm is None
+    assert decoded(dicom(RAMP)).pixel_mm is None
+    assert decoded(dicom(RAMP, ImagerPixelSpacing=[0.35, 0.36])).pixel_mm == 0.36
+    assert decoded(dicom(RAMP, FieldOfViewDimensions=[150])).pixel_mm == 0.5
+    assert decoded(dicom(RAMP, FieldOfViewDimensions=[120, 150], ImagerPixelSpacing=[0.2, 0.2])).pixel_mm == 0.2
+
+
 @pytest.mark.parametrize("modality", ["XA", "RF", "CR", "DX", "OT"])
 def test_every_kind_of_xray_is_taken_whatever_its_class(modality: str) -> None:
     assert isinstance(decode(dicom(RAMP, Modality=modality)), XrayImage)
