@@ -1,6 +1,6 @@
 """Whether the predicted 95 % bounds are true: the real error of commanded moves, drawn as the device files say.
 
-    python benchmarks/coverage.py --folder FOLDER [--count N] [--processes P]
+    python benchmarks/coverage.py --folder FOLDER [--count N] [--first SEED] [--processes P]
 
 Every scene's guide is made within the tolerances of its file (rings, separation, bead, the bore, along which the needle
 goes) and its C-arm stands within the standard deviations of its file; background, tilt, distortion, dose and target are
@@ -177,13 +177,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--folder", type=Path, required=True, help="where the results are kept")
     parser.add_argument("--count", type=int, default=1000, help="scenes over all groups (default 1000)")
+    parser.add_argument("--first", type=int, default=0, help="seed of each group's first (default 0)")
     parser.add_argument("--processes", type=int, default=1)
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     path = options.folder / "coverage.jsonl"
     results = kept(path)
     known = {(one.group, one.seed) for one in results}
-    scenes = [(GROUPS[index % len(GROUPS)], index // len(GROUPS)) for index in range(options.count)]
+    scenes = [(GROUPS[index % len(GROUPS)], options.first + index // len(GROUPS)) for index in range(options.count)]
     todo = [scene for scene in scenes if scene not in known]
     if todo:
         results += run(todo, path, options.processes)

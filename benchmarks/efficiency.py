@@ -2,10 +2,12 @@
 
     python benchmarks/efficiency.py [--count N] [--first SEED]
 
-Per stratum: root mean squares of the targeting error and of its Cramer-Rao bound (`pixel_bound.py`), their ratio, and
-the share of the error that another draw of the noise repeats: bias, by background and model. The guide is made as its
-file says and the file's tolerances are taken for nothing, as in the bound. The strata without patient, distortion or
-noise show what each costs; the bound knows the background, which an estimator must learn from the same pixels.
+Per stratum: the root mean square of the targeting error, and how many times greater it is than two Cramer-Rao bounds:
+one that knows the background (`pixel_bound.py`), and one for which the background is noise as well
+(`background_bound.py`), since an estimator must learn it from the same pixels. Then the share of the squared error that
+another draw of the quanta repeats, which is what background and model make, and how much of it background as unknown as
+that explains: the rest is the estimator's own. The guide is made as its file says and the file's tolerances are taken
+for nothing, as in the bounds. The strata without patient, distortion or noise show what each costs.
 """
 
 import argparse
@@ -15,9 +17,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from background_bound import background_bound
 from coverage import as_filed
 from numpy.typing import NDArray
-from pixel_bound import Bound, error_vectors, pixel_bound
+from pixel_bound import Bound, Changes, error_vectors, pixel_bound
 from samples import Sample, registered
 
 from simulator.carm.distortion import NO_DISTORTION
@@ -81,22 +84,51 @@ def errors_of(scene: Scene, guide: Guide, seed: int) -> Array | Refusal:
     return aim if isinstance(aim, Refusal) else error_vectors(scene, guide, aim.guide_from_goal)
 
 
-def line(name: str, pairs: Sequence[tuple[Array, Array]], bounds: Sequence[Bound], refused: int) -> str:
+@dataclass(frozen=True)
+class Outcome:
+    """One scene: the errors (6,) of two draws of the quanta, and the bounds without and with unknown background."""
+
+    one: Array
+    other: Array
+    known: Bound
+    unknown: Bound
+
+
+def outcome(scene: Scene, guide: Guide, seed: int) -> Outcome | Refusal:
+    """Both draws of a scene, and its bounds."""
+    errors = []
+    for draw in (0, 1):
+        found = errors_of(scene, guide, 2 * seed + draw)
+        if isinstance(found, Refusal):
+            return found
+        errors.append(found)
+    changes = Changes.of(scene)
+    return Outcome(*errors, pixel_bound(scene, guide, changes), background_bound(scene, guide, changes))
+
+
+HEAD = f"{'error':>8} {'quanta':>8} {'ratio':>6} {'unknown':>8} {'ratio':>6} {'bias %':>6} {'own %':>6}"
+
+
+def line(name: str, outcomes: Sequence[Outcome], refused: int) -> str:
     """One line of the table."""
-    if not pairs:
+    if not outcomes:
         return f"{name:>14} {0:>4} {refused:>7}"
-    one, other = (np.array(half) for half in zip(*pairs, strict=True))
-    cells = []
-    for part, unit, bound in (
-        (slice(0, 3), 180.0 / np.pi, [bound.angle_deg for bound in bounds]),
-        (slice(3, 6), 1.0, [bound.position_mm for bound in bounds]),
-    ):
-        first, second = one[:, part] * unit, other[:, part] * unit
-        mean_square = float(((first**2).sum(axis=1) + (second**2).sum(axis=1)).mean()) / 2.0
-        share = max(0.0, float((first * second).sum(axis=1).mean()) / mean_square)
-        root, least = float(np.sqrt(mean_square)), float(np.sqrt(np.mean(np.square(bound))))
-        cells.append(f"{root:8.4f} {least:8.4f} {root / least:6.2f} {100.0 * share:6.0f}")
-    return f"{name:>14} {len(pairs):>4} {refused:>7} " + " ".join(cells)
+    angles = _cells(outcomes, slice(0, 3), 180.0 / np.pi, lambda bound: bound.angle_deg)
+    positions = _cells(outcomes, slice(3, 6), 1.0, lambda bound: bound.position_mm)
+    return f"{name:>14} {len(outcomes):>4} {refused:>7} {angles} {positions}"
+
+
+def _cells(outcomes: Sequence[Outcome], part: slice, unit: float, of: Callable[[Bound], float]) -> str:
+    """Error, bounds and ratios of angle or position; per cent that another draw repeats, and that no bound explains."""
+    first, second = (np.array([getattr(one, draw)[part] for one in outcomes]) * unit for draw in ("one", "other"))
+    mean_square = float(((first**2).sum(axis=1) + (second**2).sum(axis=1)).mean()) / 2.0
+    bias = max(0.0, float((first * second).sum(axis=1).mean()) / mean_square)
+    known, unknown = (
+        float(np.sqrt(np.mean([of(getattr(one, name)) ** 2 for one in outcomes]))) for name in ("known", "unknown")
+    )
+    root, own = float(np.sqrt(mean_square)), max(0.0, 1.0 - unknown**2 / mean_square)
+    shares = f"{100.0 * bias:6.0f} {100.0 * own:6.0f}"
+    return f"{root:8.4f} {known:8.4f} {root / known:6.2f} {unknown:8.4f} {root / unknown:6.2f} {shares}"
 
 
 def main() -> None:
@@ -106,19 +138,12 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=5000, help="seed of the first (default 5000)")
     options = parser.parse_args()
     guide = known_guide()
-    print(f"{'':>27} {'deg: error, bound, ratio, bias %':>31} {'mm: error, bound, ratio, bias %':>31}")
-    print(f"{'stratum':>14} {'n':>4} {'refused':>7}")
+    print(f"{'':>27} {'deg:':<55} mm:\n{'stratum':>14} {'n':>4} {'refused':>7} {HEAD} {HEAD}")
     for stratum in STRATA:
-        pairs, bounds, refused = [], [], 0
-        for seed in range(options.first, options.first + options.count):
-            scene = stratum.scene(seed)
-            one, other = (errors_of(scene, guide, 2 * seed + draw) for draw in (0, 1))
-            if isinstance(one, Refusal) or isinstance(other, Refusal):
-                refused += 1
-                continue
-            pairs.append((one, other))
-            bounds.append(pixel_bound(scene, guide))
-        print(line(stratum.name, pairs, bounds, refused), flush=True)
+        seeds = range(options.first, options.first + options.count)
+        found = [outcome(stratum.scene(seed), guide, seed) for seed in seeds]
+        good = [one for one in found if isinstance(one, Outcome)]
+        print(line(stratum.name, good, len(found) - len(good)), flush=True)
     sys.exit(0)
 
 

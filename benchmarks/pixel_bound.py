@@ -1,8 +1,9 @@
 """The Cramer-Rao bound of the targeting error: the Fisher information of a rendered image's pixels.
 
-Free are the pose, the source-to-image distance, the principal point, the plate's place and the distortion, a polynomial
-as the product fits it; the guide's dimensions and the background are known. Quantum noise is taken for white with its
-density at low frequencies, which the wires' edges live on; a step of the display adds its twelfth part squared.
+Free are the pose, the source-to-image distance, the principal point, the plate's place, the distortion, a polynomial as
+the product fits it, and the guide's radii and separation within the tolerances of its file; the background is known.
+Quantum noise is taken for white with its density at low frequencies, which the wires' edges live on; a step of the
+display adds its twelfth part squared.
 """
 
 from collections.abc import Callable
@@ -26,13 +27,15 @@ from vision.registered import DEFAULT_DEPTH_MM
 Array = NDArray[np.float64]
 
 _DEGREE = 6  # of the distortion's polynomial; the product chooses 5 to 7
-_CAMERA = 9  # rotation vector (rad), translation (mm), source-to-image distance (mm), principal point (px)
+_MOVES = 10  # rotation vector (rad), translation (mm), source-to-image distance, radii and separation (mm)
+_CAMERA = _MOVES + 2  # and the principal point (px)
 _PLATE = 3  # shift (px) and turn (rad)
-_STEPS = np.array([2e-4] * 3 + [0.05, 0.05, 0.5] + [1.0])  # some tenths of a pixel each, for derivatives
+_STEPS = np.array([2e-4] * 3 + [0.05, 0.05, 0.5] + [1.0] + [0.05] * 3)  # some tenths of a pixel each, for derivatives
 _SHIFT_PX = 0.2  # the same, of the image
-_PRIOR_SD = np.array([30.0, 15.0, 15.0])  # mm, px: of the C-arm file
+_DISTANCE_SD_MM, _CENTRE_SD_PX = 30.0, 15.0  # of the C-arm file
 _FREE_SD_PX = 30.0  # of what nothing is known of: only keeps shift and turn, which two share, solvable
 _LEAST_SIGNAL = 1e-7  # of the white intensity
+_CHUNK = 4096  # pixels at a time, for the memory's sake
 
 
 @dataclass(frozen=True)
@@ -43,52 +46,87 @@ class Bound:
     position_mm: float
 
 
-def pixel_bound(scene: Scene, guide: Guide) -> Bound:
+@dataclass(frozen=True)
+class Changes:
+    """How a scene's image changes.
+
+    Attributes
+    ----------
+    fields : Array
+        (k, rows, columns), derivatives of the intensity, in shares of the white: by a shift of the wires along u and v,
+        by the ten parameters that move them, and with a plate by a shift of its balls along u and v.
+    clean : Array
+        (rows, columns): the intensity itself.
+    background : Array
+        (rows, columns): the same without wires, bead and balls.
+    """
+
+    fields: Array
+    clean: Array
+    background: Array
+
+    @classmethod
+    def of(cls, scene: Scene) -> "Changes":
+        """Rendered without noise."""
+        soft = np.exp(-enlarge(soft_depths(scene), scene.camera.columns, scene.camera.rows)).astype(np.float64)
+        metal, balls = _metal(scene), _ball_light(scene)
+        clean = _blurred(soft * metal * balls, scene)
+        white = float(np.percentile(clean[::4, ::4], 99.0))
+        by_metal = [soft * balls * change for change in (*_slopes(scene, _metal), *_by_pose(scene))]
+        by_balls = [soft * metal * change for change in _slopes(scene, _ball_light)] if scene.plate else []
+        fields = np.array([_blurred(image, scene) / white for image in (*by_metal, *by_balls)])
+        return cls(fields, clean / white, _blurred(soft, scene) / white)
+
+
+def pixel_bound(scene: Scene, guide: Guide, changes: Changes) -> Bound:
     """Of one scene, for its target at the default depth."""
-    changes, noise = _changes(scene)
-    information = (changes / noise[:, None]).T @ changes + np.diag(1.0 / _prior_sd(changes.shape[1]) ** 2)
+    v, u = np.nonzero(np.max(np.abs(changes.fields), axis=0) > _LEAST_SIGNAL)
+    seen, raw = changes.fields[:, v, u].T, np.column_stack((u, v)).astype(np.float64)
+    parts = [slice(start, start + _CHUNK) for start in range(0, len(raw), _CHUNK)]
+    columns = np.concatenate([np.einsum("nk,nkp->np", seen[part], field_weights(scene, raw[part])) for part in parts])
+    noise = noise_variance(changes.clean[v, u], scene)
+    return bound_of(scene, guide, (columns / noise[:, None]).T @ columns)
+
+
+def field_weights(scene: Scene, raw: Array) -> Array:
+    """How much of each field (n, k, p) an error of each of the p parameters makes, at raw pixels (n, 2)."""
+    terms = _distortion(scene).basis(raw) if scene.plate is not None else np.zeros((len(raw), 0))
+    count = terms.shape[1]
+    balls = 2 + _MOVES  # the first of their two fields
+    weights = np.zeros((len(raw), balls + (2 if count else 0), _CAMERA + (_PLATE + 2 * count if count else 0)))
+    weights[:, 2:balls, :_MOVES] = np.eye(_MOVES)
+    weights[:, [0, 1], [_MOVES, _MOVES + 1]] = -1.0
+    if count:
+        x, y = ((scene.distortion.ideal_from_raw(raw) - scene.distortion.centre_px) / scene.distortion.centre_px).T
+        weights[:, [balls, balls + 1], [_CAMERA, _CAMERA + 1]] = -1.0
+        weights[:, balls, _CAMERA + 2], weights[:, balls + 1, _CAMERA + 2] = y, -x
+        for axis in (0, 1):
+            first = _CAMERA + _PLATE + axis * count
+            weights[:, axis, first : first + count] = weights[:, balls + axis, first : first + count] = terms
+    return weights
+
+
+def bound_of(scene: Scene, guide: Guide, information: Array) -> Bound:
+    """The bound by an image's information (p, p) of the parameters."""
+    count = len(information)
+    information = information + np.diag(1.0 / _prior_sd(count, guide) ** 2)
     scale = 1.0 / np.sqrt(np.diag(information))
     covariance = np.linalg.inv(information * np.outer(scale, scale)) * np.outer(scale, scale)
-    by_parameter = _error_jacobian(scene, guide, changes.shape[1])
+    by_parameter = _error_jacobian(scene, guide, count)
     spread = by_parameter @ covariance @ by_parameter.T
     angle_rad, position_mm = np.sqrt(np.trace(spread[:3, :3])), np.sqrt(np.trace(spread[3:, 3:]))
     return Bound(float(np.degrees(angle_rad)), float(position_mm))
 
 
-def _prior_sd(count: int) -> Array:
+def _prior_sd(count: int, guide: Guide) -> Array:
     sd = np.full(count, _FREE_SD_PX)
-    sd[:3], sd[3:6] = 1.0, 100.0
-    sd[6:_CAMERA] = _PRIOR_SD
+    sd[:3], sd[3:6], sd[6] = 1.0, 100.0, _DISTANCE_SD_MM
+    sd[7:_MOVES] = guide.tolerance.radius_sd_mm, guide.tolerance.radius_sd_mm, guide.tolerance.separation_sd_mm
+    sd[_MOVES:_CAMERA] = _CENTRE_SD_PX
     return sd
 
 
-def _changes(scene: Scene) -> tuple[Array, Array]:
-    """Derivative (n, k) of the pixels' intensity by the parameters, and the noise's variance (n,), where any change."""
-    soft = np.exp(-enlarge(soft_depths(scene), scene.camera.columns, scene.camera.rows)).astype(np.float64)
-    metal, balls = _metal(scene), _ball_light(scene)
-    clean = _blurred(soft * metal * balls, scene)
-    white = float(np.percentile(clean[::4, ::4], 99.0))
-    by_metal = [soft * balls * change for change in (*_slopes(scene, _metal), *_by_pose(scene))]
-    by_balls = [soft * metal * change for change in _slopes(scene, _ball_light)] if scene.plate else []
-    images = [_blurred(image, scene) / white for image in (*by_metal, *by_balls)]
-    v, u = np.nonzero(np.max(np.abs(images), axis=0) > _LEAST_SIGNAL)
-    seen = np.array([image[v, u] for image in images]).T
-    metal_u, metal_v, pose = seen[:, 0], seen[:, 1], seen[:, 2:9]
-    columns = [pose, -metal_u[:, None], -metal_v[:, None]]
-    if scene.plate is not None:
-        columns += _plate_columns(scene, u, v, seen[:, 9], seen[:, 10])
-        basis = _distortion(scene).basis(np.column_stack((u, v)).astype(np.float64))
-        columns += [(metal_u + seen[:, 9])[:, None] * basis, (metal_v + seen[:, 10])[:, None] * basis]
-    return np.hstack(columns), _variance(clean[v, u] / white, scene)
-
-
-def _plate_columns(scene: Scene, u: NDArray[np.intp], v: NDArray[np.intp], by_u: Array, by_v: Array) -> list[Array]:
-    ideal = scene.distortion.ideal_from_raw(np.column_stack((u, v)).astype(np.float64))
-    x, y = (ideal - scene.distortion.centre_px).T
-    return [-by_u[:, None], -by_v[:, None], (by_u * y - by_v * x)[:, None] / scene.distortion.centre_px]
-
-
-def _variance(signal: Array, scene: Scene) -> Array:
+def noise_variance(signal: Array, scene: Scene) -> Array:
     """Of the intensity, in shares of the white: quanta, and the display's steps brought back through its gamma."""
     exposure = scene.exposure
     steepness = 0.91 * exposure.gain * exposure.gamma * np.maximum(signal, 1e-4) ** (exposure.gamma - 1.0)
@@ -132,7 +170,7 @@ def _shifted(scene: Scene, step: Array) -> Scene:
 
 
 def _by_pose(scene: Scene) -> list[Array]:
-    """Derivatives of the wires' light by rotation vector (rad), translation (mm), source-to-image distance (mm)."""
+    """Derivatives of the wires' light by the parameters that move them."""
     found = []
     for index, size in enumerate(_STEPS):
         step = np.zeros(_CAMERA)
@@ -150,7 +188,14 @@ def _moved(scene: Scene, step: Array) -> Scene:
     pose[:3, :3] = Rotation.from_rotvec(step[:3]).as_matrix() @ pose[:3, :3]
     pose[:3, 3] += step[3:6]
     camera = replace(scene.camera, source_to_image_mm=scene.camera.source_to_image_mm + float(step[6]))
-    return replace(scene, guides=(PlacedGuide(placed.shape, pose),), camera=camera)
+    small_mm, big_mm, apart_mm = (float(off) for off in step[7:_MOVES])
+    shape = replace(
+        placed.shape,
+        small_radius_mm=placed.shape.small_radius_mm + small_mm,
+        big_radius_mm=placed.shape.big_radius_mm + big_mm,
+        separation_mm=placed.shape.separation_mm + apart_mm,
+    )
+    return replace(scene, guides=(PlacedGuide(shape, pose),), camera=camera)
 
 
 def _distortion(scene: Scene) -> DistortionMap:
@@ -182,7 +227,7 @@ def _error_vectors(scene: Scene, guide: Guide, step: Array, basis: Array) -> Arr
         coefficients = step[_CAMERA + _PLATE :]
         bent = np.array([basis @ coefficients[:terms], basis @ coefficients[terms:]])
     pixel = np.array(scene.target_ideal_px)
-    guide_from_goal, _ = goal(_view(_moved(scene, step), step[7:_CAMERA]), pixel + bent)
+    guide_from_goal, _ = goal(_view(_moved(scene, step), step[_MOVES:_CAMERA]), pixel + bent)
     return error_vectors(scene, guide, guide_from_goal)
 
 
