@@ -9,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests test-postgresql audit-bench bench bench-service bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock replay-bench
+.PHONY: help demo run test check tests test-tablet pictures test-postgresql audit-bench bench bench-service bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock replay-bench
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -38,7 +38,7 @@ tests: $(VENV)/.test
 	  { echo "missing Debian package: apt-get install $${need%:*}"; exit 1; }; done
 	$(BIN)/python -m pytest -n 2 -m "not real_time"
 	$(BIN)/python -m pytest -n 2 --database postgresql $(ON_POSTGRESQL)
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m "real_time and not matrix"
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "real_time and not matrix and not tablet"
 
 bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; COUNT=2000 trials of KINDS; results kept in FOLDER
 	$(BIN)/python -m benchmarks.stop --count $(or $(COUNT),2000) $(if $(KINDS),--kinds $(KINDS)) \
@@ -46,6 +46,14 @@ bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; CO
 
 fault-matrix: $(VENV)/.test  ## every fault in every state of a motion, over the real protocols
 	$(BIN)/python -m pytest tests/robot/test_fault_matrix.py -v
+
+test-tablet: $(VENV)/.test  ## a procedure in the simulated room, in a browser and by touch alone
+	@command -v chromium >/dev/null || { echo "missing Debian package: apt-get install chromium"; exit 1; }
+	$(BIN)/python -m pytest -m tablet
+
+pictures: $(VENV)/.test  ## the same, and the documentation's pictures of the tablet taken anew
+	mkdir -p docs/pictures
+	COAXIAL_TEST_PICTURES=docs/pictures $(BIN)/python -m pytest -m tablet
 
 test-postgresql: $(VENV)/.test  ## every test that opens a database, on PostgreSQL
 	$(BIN)/python -m pytest -n 2 --database postgresql -m "not real_time" tests/service

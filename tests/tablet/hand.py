@@ -1,0 +1,63 @@
+"""A hand on the tablet's glass: real touch events, several fingers, held as long as it likes."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from playwright.sync_api import CDPSession, Locator, Page
+
+Point = tuple[float, float]
+_TAP_S = 0.03
+
+
+class Hand:
+    """Touches one page; points are CSS pixels from its top left."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self._glass: CDPSession = page.context.new_cdp_session(page)
+
+    def tap(self, what: str | Locator, exact: bool = False) -> None:
+        """Tap a button by the words on it, or anything by its locator."""
+        button = self.page.get_by_role("button", name=what, exact=exact) if isinstance(what, str) else what
+        button.first.scroll_into_view_if_needed()
+        with self.touching([self.middle_of(button.first)]):
+            time.sleep(_TAP_S)
+
+    def type(self, digits: str) -> None:
+        """On the keypad that is shown."""
+        for digit in digits:
+            key = {"-": "Sign", ".": "Decimal point"}.get(digit, digit)
+            self.tap(self.page.locator(".pad-keys").get_by_role("button", name=key, exact=True))
+
+    def enter(self, digits: str) -> None:
+        """Type, then enter."""
+        self.type(digits)
+        self.tap(self.page.locator(".pad-keys .is-enter"))
+
+    @contextmanager
+    def touching(self, fingers: list[Point]) -> Iterator[None]:
+        """Fingers on the glass until the block is left."""
+        self.put_down(fingers)
+        try:
+            yield
+        finally:
+            self.lift()
+
+    def put_down(self, fingers: list[Point]) -> None:
+        """Fingers on the glass, besides none."""
+        self._send("touchStart", fingers)
+
+    def lift(self) -> None:
+        """All fingers up."""
+        self._send("touchEnd", [])
+
+    def middle_of(self, element: Locator) -> Point:
+        """Where a finger would touch it."""
+        box = element.bounding_box()
+        assert box is not None, f"{element} is not on the screen"
+        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def _send(self, kind: str, fingers: list[Point]) -> None:
+        points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(fingers)]
+        self._glass.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})

@@ -1,0 +1,176 @@
+"""The procedure as the team walks it: hands on the tablet, and the radiographer's hands at the C-arm of the room."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
+
+from service.client import Case
+from simulator.demo.door_client import Door
+from simulator.demo.legs import legs
+from tests.tablet.tablet import Tablet
+
+_MOTION_S = 90.0
+_IMAGE_S = 120.0
+_FIELDS = ("x", "y", "z", "rx", "ry", "rz")
+_CLEARANCE = "45"
+_TRIES = 5
+# How a crowded machine ends a hold; whatever else ends one fails the test.
+_LOST = ("the hold was lost", "the link to the arm was lost", "no live hold", "nothing moved")
+
+
+@dataclass(frozen=True)
+class Walk:
+    """One surgeon's tablet at one case; `case` only reads what a person would read off the room's own displays."""
+
+    tablet: Tablet
+    case: Case
+    door: Door
+    pin: str
+    look: Callable[[str], None]
+
+    def begin(self) -> None:
+        """Into the open case, control taken, the guide stated empty."""
+        self.tablet.press("Enter the case")
+        self.tablet.is_at("case_open")
+        self.tablet.hand.tap("Control of the case")
+        self.tablet.page.locator(".control.is-yours").wait_for()
+        self.look("case_open")
+        self.tablet.hand.tap("State a fact")
+        self.look("facts")
+        self.tablet.hand.tap("The guide is empty")
+        self.tablet.page.locator(".guide.is-empty").wait_for()
+
+    def turn_carm(self, pedicle: str) -> None:
+        """The C-arm stands in the view of a planned path."""
+        angles = self.case.carm_angles(pedicle)
+        self.door.position_carm(angles["primary_angle_deg"], angles["secondary_angle_deg"], pedicle)
+        self.tablet.press("The C-arm stands")
+        self.tablet.is_at("carm_positioned")
+
+    def bring_guide_in(self, pedicle: str) -> None:
+        """In as many motions as the service asks for, each entered, planned, approved and held."""
+        start = np.array(self.case.status()["arm"]["base_from_tcp"])
+        for goal in legs(start, self.door.approach_to(pedicle)):
+            pose = [*goal["translation_mm"], *goal["rotation_vector_deg"]]
+            self.go(lambda pose=pose: self._plan_approach(pose))
+
+    def image(self, words: str, *states: str) -> None:
+        """Ask for an exposure on the tablet, press the pedal in the room, and wait for what comes of the image.
+
+        A crowded machine may lose the arm's feedback meanwhile; what is made of an image then is there after the hold.
+        """
+        for _ in range(_TRIES):
+            self._expose(words)
+            if self._comes_to(*states, "safe_hold") != "safe_hold":
+                return
+            self._leave_hold()
+            if self._is_soon_at(*states):
+                return
+        pytest.fail("the machine is too busy for an image")
+
+    def _expose(self, words: str) -> None:
+        self.tablet.press(words)
+        self.tablet.page.get_by_text("Expose now").wait_for()
+        self.look("exposing")
+        self.door.expose()
+
+    def _comes_to(self, *states: str) -> str:
+        screens = self.tablet.page.locator(", ".join(f"main[data-state={state}]" for state in states))
+        screens.wait_for(timeout=_IMAGE_S * 1000)
+        return screens.get_attribute("data-state") or ""
+
+    def _is_soon_at(self, *states: str) -> bool:
+        try:
+            self.tablet.page.locator(", ".join(f"main[data-state={state}]" for state in states)).wait_for(
+                timeout=10_000
+            )
+        except PlaywrightTimeoutError:
+            return False
+        return True
+
+    def pick(self, pixel_px: tuple[float, float]) -> None:
+        """A point of the image, as near as a finger comes and then by the arrows, and what the service understood."""
+        at = self.tablet.screen_of(pixel_px)
+        self.tablet.hand.put_down([at])
+        self.look("loupe")
+        self.tablet.hand.lift()
+        self.tablet.page.get_by_role("button", name="Confirm this target").wait_for()
+
+    def go(self, plan: Callable[[], None], picture: str = "") -> None:
+        """Plan, approve and hold until the arm has arrived.
+
+        A crowded machine may lose the hold, as any room may: then it is looked at, acknowledged, planned and held anew.
+        """
+        for _ in range(_TRIES):
+            plan()
+            ended = self._approve_and_hold(picture)
+            self.tablet.hand.tap("Understood")
+            if ": arrived" in ended:
+                return
+            assert any(lost in ended for lost in _LOST), ended
+            self._leave_hold()
+        pytest.fail("the machine is too busy to hold a button")
+
+    def _approve_and_hold(self, picture: str) -> str:
+        """The plan read, the PIN, the button held; the words that say how it ended."""
+        page, hand = self.tablet.page, self.tablet.hand
+        page.get_by_role("button", name="Approve with PIN").wait_for(timeout=30_000)
+        self.look(f"plan{picture}")
+        self.tablet.press("Approve with PIN")
+        self.look("pin")
+        hand.enter(self.pin)
+        button = page.locator(".hold")
+        button.wait_for()
+        self.look(f"hold{picture}")  # before it is held: a picture takes the page longer than a heartbeat may be late
+        with hand.touching([hand.middle_of(button)]):
+            page.locator(".ended").wait_for(timeout=_MOTION_S * 1000)
+            return page.locator(".ended").inner_text()
+
+    def _leave_hold(self) -> None:
+        self.tablet.page.wait_for_timeout(1000)  # the fault is told after the motion's own end
+        if self.tablet.page.locator("main[data-state=safe_hold]").is_visible():
+            self.look("held")
+            self.tablet.hand.tap(self.tablet.page.locator(".doing .chip", has_text="empty"))
+            self.tablet.press("Acknowledge")
+            self.tablet.page.locator("main:not([data-state=safe_hold])").wait_for()
+
+    def insert(self) -> None:
+        """The arm locked, the sleeve in and out again."""
+        self.tablet.press("Lock the arm and insert")
+        self.tablet.hand.enter(self.pin)
+        self.tablet.is_at("inserting")
+        self.look("inserting")
+        self.tablet.press("The sleeve is in")
+        self.tablet.is_at("sleeve_inserted")
+        self.look("sleeve_inserted")
+        self.tablet.press("The sleeve is out, the guide is empty")
+        self.tablet.press("Target done")
+
+    def retreat(self) -> None:
+        """Along the guide's axis, clear of the patient."""
+        self.go(self._plan_retreat)
+
+    def close(self) -> None:
+        """Signed with the PIN."""
+        self.tablet.hand.tap("More", exact=True)
+        self.tablet.hand.tap("Close the case")
+        self.tablet.hand.enter(self.pin)
+        self.tablet.is_at("closed")
+
+    def _plan_approach(self, pose: Sequence[float]) -> None:
+        self.tablet.hand.tap("Move the arm nearer or away")
+        for name, number in zip(_FIELDS, pose, strict=True):
+            self.tablet.hand.tap(self.tablet.page.locator(f"[data-field={name}]"))
+            self.tablet.hand.enter(f"{number:.2f}")
+        self.look("approach")
+        self.tablet.hand.tap("Plan the motion")
+
+    def _plan_retreat(self) -> None:
+        self.tablet.hand.tap("Move the arm nearer or away")
+        self.tablet.hand.tap(self.tablet.page.get_by_role("tab", name="Retreat"))
+        self.tablet.hand.tap(self.tablet.page.locator("[data-field=distance]"))
+        self.tablet.hand.enter(_CLEARANCE)
+        self.tablet.hand.tap(self.tablet.page.locator(".bringing").get_by_role("button", name="Plan the motion"))
