@@ -61,13 +61,23 @@ def register(image: bytes, guide: bytes, carm: bytes, handedness_proved: bool = 
     return refusal_to_json(findings.result) | _picture(decoded, guide_file, carm_file, findings)
 
 
-def annotate(image: bytes, guide: bytes, carm: bytes, raw_px: tuple[float, float] | None, depth_mm: float) -> Json:
-    """The picture of what is found in an image, with the target where there is one, as those who look later see it."""
+def annotate(
+    image: bytes,
+    guide: bytes,
+    carm: bytes,
+    raw_px: tuple[float, float] | None,
+    depth_mm: float,
+    handedness_proved: bool,
+) -> Json:
+    """The picture of what is found in an image, with the target where there is one, as those who look later see it.
+
+    `handedness_proved` as it was when the image was registered.
+    """
     decoded = decode(image)
     if isinstance(decoded, Refusal):
         return refusal_to_json(decoded)
     guide_file, carm_file = read_guide(guide), read_carm(carm)
-    findings = examine(decoded, guide_file, carm_file)
+    findings = examine(decoded, guide_file, carm_file, handedness_proved=handedness_proved)
     inspection = inspect(decoded, guide_file, carm_file, findings, raw_px, PixelSpace.RAW, depth_mm)
     return {"status": "drawn", "picture_png_base64": base64.b64encode(png(draw(inspection))).decode()}
 

@@ -74,7 +74,7 @@ def send_waiting(parts: Parts) -> None:
 
 def _to_prepare(parts: Parts) -> list[str]:
     with parts.database.read() as connection:
-        return outbox.cases_to_prepare(connection)
+        return outbox.cases_to_prepare(connection, parts.settings.room)
 
 
 def _queue(parts: Parts, case_id: str, objects: list[DerivedObject]) -> None:

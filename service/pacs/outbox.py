@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
 
+from service.archive.contents import IMPORTED
 from service.database import tables
 from service.database.clock import now_utc
 from service.images.store import keep_bytes, kept_bytes
@@ -47,12 +48,14 @@ def queue(connection: Connection, case_id: str, objects: Sequence[DerivedObject]
     )
 
 
-def cases_to_prepare(connection: Connection) -> list[str]:
-    """Cases that are over and have nothing in the outbox yet, oldest first."""
-    cases, events, outgoing = tables.cases, tables.events, tables.outgoing_objects
+def cases_to_prepare(connection: Connection, room: str) -> list[str]:
+    """The room's own cases that are over and have nothing in the outbox yet, oldest first; no imported ones."""
+    cases, events, outgoing, ledger = tables.cases, tables.events, tables.outgoing_objects, tables.ledger
     over = sa.exists().where(events.c.case_id == cases.c.id, events.c.state.in_(_OVER))
     queued = sa.exists().where(outgoing.c.case_id == cases.c.id)
-    return list(connection.execute(sa.select(cases.c.id).where(over, ~queued).order_by(cases.c.opened_at)).scalars())
+    imported = sa.exists().where(ledger.c.case_id == cases.c.id, ledger.c.action == IMPORTED)
+    query = sa.select(cases.c.id).where(cases.c.room == room, over, ~queued, ~imported).order_by(cases.c.opened_at)
+    return list(connection.execute(query).scalars())
 
 
 def undelivered(connection: Connection) -> list[QueuedObject]:

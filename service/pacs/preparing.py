@@ -2,6 +2,7 @@
 
 import asyncio
 import base64
+from collections.abc import Iterator
 from dataclasses import dataclass
 from io import BytesIO
 
@@ -9,7 +10,7 @@ from pydicom import Dataset, dcmread
 from sqlalchemy.engine import Connection
 
 from service.cases import store
-from service.cases.records import StoredCase
+from service.cases.records import ArtefactKind, StoredCase
 from service.cases.verifications import Verification, verifications_of
 from service.conductor.device_set import DeviceSet, devices_of
 from service.images.store import StoredImage, list_images, original_bytes, purpose_of
@@ -31,6 +32,7 @@ class OverCase:
     identity: Dataset
     devices: DeviceSet
     images: list[tuple[StoredImage, bytes]]
+    nudged: frozenset[str]  # images whose handedness a nudge had proved
     verifications: list[Verification]
 
 
@@ -51,6 +53,7 @@ def _read(parts: Parts, case_id: str) -> OverCase:
             identity_of(connection, case),
             devices_of(connection, case_id),
             [(image, original_bytes(connection, image.id)) for image in chain],
+            frozenset(_nudged(connection, case_id)),
             verifications_of(connection, case_id),
         )
 
@@ -60,13 +63,20 @@ def _entered_chain(connection: Connection, image: StoredImage) -> bool:
     return purpose is not None and purpose.purpose in _IN_THE_CHAIN
 
 
+def _nudged(connection: Connection, case_id: str) -> Iterator[str]:
+    for one in store.artefacts_of(connection, ArtefactKind.REGISTRATION, case_id):
+        if one.content.get("handedness_by") == "nudge":
+            yield str(one.columns["image_id"])
+
+
 async def _annotated(parts: Parts, over: OverCase, number: int) -> DerivedObject | None:
     """One image with what was found in it, and the target that it verified; None where it cannot be decoded."""
     image, content = over.images[number]
     verified = next((one for one in over.verifications if one.image_id == image.id), None)
     raw_px = verified.target["raw_px"] if verified else None
     depth_mm = verified.target["depth_mm"] if verified else _DEPTH_MM
-    drawn = await parts.vision.run("annotate", content, over.devices.guide, over.devices.carm, raw_px, depth_mm)
+    devices, nudged = over.devices, image.id in over.nudged
+    drawn = await parts.vision.run("annotate", content, devices.guide, devices.carm, raw_px, depth_mm, nudged)
     if drawn["status"] == "refused":
         return None
     picture = base64.b64decode(drawn["picture_png_base64"])

@@ -50,7 +50,13 @@ def judged(exposures, device_files) -> tuple[dict, dict]:
     before, after = (register(image, guide, carm) for image in exposures)
     motion = np.linalg.inv(before["source_from_guide"]) @ np.array(after["source_from_guide"])
     errors = {"arm_sd_deg": 0.1, "arm_sd_mm": 1.0, "tcp_sd_deg": 0.1, "tcp_sd_mm": 1.0}
-    known = {"image": exposures[0], "registration": before, "before_from_after": motion.tolist(), "errors": errors}
+    known = {
+        "image": exposures[0],
+        "registration": before,
+        "before_from_after": motion.tolist(),
+        "errors": errors,
+        "handedness_proved": False,
+    }
     return after, evaluate(exposures[1], guide, carm, _RAW_PX, 80.0, known)
 
 

@@ -10,9 +10,12 @@ import httpx
 import pytest
 from pydicom import dcmread
 
+from service.archive.contents import IMPORTED
+from service.audit import record_audit
 from service.auth.permissions import Role
 from service.cases.verifications import verifications_of
 from service.database.engines import open_database
+from service.ledger.draft import describe
 from service.pacs import outbox
 from service.pacs.delivering import send_waiting
 from service.settings import DicomSettings, HttpSettings, PeerSettings, Settings
@@ -138,7 +141,7 @@ def test_what_is_made_again_is_the_same_object_and_what_repeats_is_no_news(datab
     with database.write() as connection:
         outbox.queue(connection, _CASE, [made])
     with database.read() as connection:
-        assert outbox.cases_to_prepare(connection) == []
+        assert outbox.cases_to_prepare(connection, "room-1") == []
         (waiting,) = outbox.undelivered(connection)
     for answer in ("no answer", "no answer", "status 0x0000"):
         with database.write() as connection:
@@ -149,3 +152,15 @@ def test_what_is_made_again_is_the_same_object_and_what_repeats_is_no_news(datab
         (sent,) = outbox.objects_of(connection, _CASE)
         answers = connection.exec_driver_sql("SELECT answer FROM deliveries ORDER BY id").scalars().all()
     assert (sent.delivered, answers) == (True, ["no answer", "status 0x0000"])
+
+
+def test_only_the_rooms_own_cases_that_are_over_are_sent(database, surgeon, add_case_that_is_over):
+    add_case_that_is_over(database, surgeon)
+    with database.read() as connection:
+        assert outbox.cases_to_prepare(connection, "room-1") == [_CASE]
+        assert outbox.cases_to_prepare(connection, "room-2") == []
+    with database.write() as connection:
+        record_audit(connection, IMPORTED, surgeon, {})
+        describe(connection, action=IMPORTED, case_id=_CASE)
+    with database.read() as connection:
+        assert outbox.cases_to_prepare(connection, "room-1") == []
