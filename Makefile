@@ -91,9 +91,9 @@ audit-bench: $(VENV)/.runtime  ## how fast the ledger is written, verified (COUN
 replay-bench: $(VENV)/.runtime  ## how fast CASES=40 past cases are replayed by 1, 2, ... WORKERS processes
 	$(BIN)/python -m benchmarks.replay --cases $(or $(CASES),40) $(if $(WORKERS),--workers $(WORKERS))
 
-side-by-side: $(BENCH_VENV)/.ready  ## other methods on the same images and rooms: COUNT=6 images a group, ROOMS=20; plots to FOLDER
+side-by-side: $(BENCH_VENV)/.ready  ## other methods on the same images and rooms: COUNT=6 images a group, ROOMS=20; results and plots kept in FOLDER
 	$(BENCH_VENV)/bin/python -m benchmarks.side_by_side --count $(or $(COUNT),6) --rooms $(or $(ROOMS),20) \
-	  $(if $(FOLDER),--folder $(FOLDER))
+	  --folder $(or $(FOLDER),$(BENCH_VENV)/side-by-side)
 
 tcp: $(VENV)/.runtime  ## recover a planted TCP error from images, in rooms with every error; COUNT=10 of them
 	$(BIN)/python benchmarks/tcp.py --count $(or $(COUNT),10)

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import cv2
+from kept import keep_line, kept_lines
 from samples import Sample, Score, scored
 from scipy.stats import binomtest
 
@@ -84,15 +85,8 @@ def scenes(count: int, first: int, faults: Sequence[Fault]) -> Iterator[tuple[Fa
 
 
 def kept(path: Path) -> list[Result]:
-    """Results of earlier runs; a last line that was cut off is left out."""
-    if not path.exists():
-        return []
-    lines = path.read_text().splitlines(keepends=True)
-    return [Result(**_typed(json.loads(line))) for line in lines if line.endswith("\n")]
-
-
-def _typed(fields: dict[str, Any]) -> dict[str, Any]:
-    return fields | {"fault": Fault(str(fields["fault"]))}
+    """Results of earlier runs."""
+    return [Result(**fields | {"fault": Fault(fields["fault"])}) for fields in kept_lines(path)]
 
 
 def run(todo: Sequence[tuple[Fault, int]], path: Path, processes: int) -> list[Result]:
@@ -100,14 +94,12 @@ def run(todo: Sequence[tuple[Fault, int]], path: Path, processes: int) -> list[R
     if not todo:
         return []
     started_s, results = time.monotonic(), []
-    with ProcessPoolExecutor(processes, initializer=cv2.setNumThreads, initargs=(1,)) as pool, path.open("a") as file:
+    with ProcessPoolExecutor(processes, initializer=cv2.setNumThreads, initargs=(1,)) as pool:
         for done in pool.map(result, *zip(*todo, strict=True), chunksize=8):
             results.append(done)
-            print(json.dumps(asdict(done)), file=file, flush=True)
-            left_s = (time.monotonic() - started_s) / len(results) * (len(todo) - len(results))
-            print(
-                f"\r{len(results)} of {len(todo)}, {left_s / 60.0:.0f} min left ", end="", file=sys.stderr, flush=True
-            )
+            keep_line(path, asdict(done))
+            left_min = (time.monotonic() - started_s) / len(results) * (len(todo) - len(results)) / 60.0
+            print(f"\r{len(results)} of {len(todo)}, {left_min:.0f} min left ", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
     return results
 

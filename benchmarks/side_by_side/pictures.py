@@ -1,7 +1,6 @@
 """Rendered images with their truth, registered once: what every method and finder starts from."""
 
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,8 +20,10 @@ from vision.xray import XrayImage, decode
 Array = NDArray[np.float64]
 
 GROUPS = ("ii", "steep", "strong", "flat")
-_DEVICES = Path(__file__).parents[2] / "simulator" / "devices"
-GUIDE = read_guide((_DEVICES / "guide.toml").read_bytes())
+_ROOT = Path(__file__).parents[2]
+_DEVICES = _ROOT / "simulator" / "devices"
+GUIDE = read_guide((_ROOT / "tests" / "devices" / "guide.toml").read_bytes())  # the reference guide and its tolerances
+ROOM_GUIDE = read_guide((_DEVICES / "guide.toml").read_bytes())
 INTENSIFIER = read_carm((_DEVICES / "carm-intensifier.toml").read_bytes())
 _FLAT_PANEL = read_carm((_DEVICES / "carm-flat-panel.toml").read_bytes())
 
@@ -40,13 +41,6 @@ class Picture:
     cpu_ms: float  # of the whole registration, from the image
 
 
-def pictures(count: int, first: int) -> Iterator[Picture]:
-    """`count` images of each group, seeds from `first`."""
-    for group in GROUPS:
-        for seed in range(first, first + count):
-            yield _picture(group, seed)
-
-
 def received(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> XrayImage:
     """Pixels as the decoder hands them on."""
     image = decode(cv2.imencode(".png", pixels)[1].tobytes())
@@ -55,7 +49,8 @@ def received(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> XrayImage:
     return image
 
 
-def _picture(group: str, seed: int) -> Picture:
+def picture(group: str, seed: int) -> Picture:
+    """The image of a group's seed, examined."""
     scene = random_scene(seed, group)
     rendered = render(scene, seed)
     carm: CArm = _FLAT_PANEL if group == "flat" else INTENSIFIER

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.side_by_side.biplanar import place_biplanar
-from benchmarks.side_by_side.pictures import GUIDE, INTENSIFIER, received
+from benchmarks.side_by_side.pictures import INTENSIFIER, ROOM_GUIDE, received
 from benchmarks.side_by_side.servoing import place_by_servoing
 from benchmarks.side_by_side.theatre import GuideErrors, Theatre
 from simulator.carm.stand import Stand
@@ -81,7 +81,7 @@ def _move_once(theatre: Theatre, stand: Stand, pixel: Array | None) -> Array | N
     scene = theatre.expose(stand)
     if pixel is None:
         pixel = scene.distortion.raw_from_ideal(theatre.picked(scene, theatre.pedicle.target_in_patient))
-    registration = register(received(theatre.pixels(scene)), GUIDE, INTENSIFIER)
+    registration = register(received(theatre.pixels(scene)), ROOM_GUIDE, INTENSIFIER)
     if not isinstance(registration, Registration):
         return None
     aimed = target(registration, (float(pixel[0]), float(pixel[1])), PixelSpace.RAW)

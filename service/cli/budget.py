@@ -10,8 +10,8 @@ from service.cli.geometry import CArmOption, DepthOption, GuideOption
 from service.cli.streams import print_line, read_device, read_registration, write_file
 
 if TYPE_CHECKING:
-    from vision.budget import Budget, Share
-    from vision.budget_check import Check
+    from vision.budget import Budget, ErrorSource, Share
+    from vision.budget_check import Check, SourceCheck
     from vision.budget_conditions import Conditions
     from vision.motion_agreement import MotionErrors
 
@@ -43,7 +43,7 @@ def budget_command(
 ) -> None:
     """Each source's share in the targeting error, for the reference view or that of a registration."""
     from vision.budget import error_budget
-    from vision.budget_check import check_budget
+    from vision.budget_check import check_budget, check_sources
     from vision.motion_agreement import MotionErrors
 
     if tcp is not None:
@@ -52,14 +52,15 @@ def budget_command(
     conditions = _conditions(guide, carm, registration, motion, depth_sd_mm, depth_mm)
     result = error_budget(conditions)
     checked = check_budget(conditions, result, check, _SEED) if check else None
+    alone = check_sources(conditions, result, check, _SEED) if check else {}
     if out is not None:
         from service.cli.budget_plot import plot
 
-        write_file(out / "budget.png", plot(result))
+        write_file(out / "budget.png", plot(result, checked, alone))
     if as_json:
-        print_line(_to_json(result, checked))
+        print_line(_to_json(result, checked, alone))
     else:
-        _print_table(result, checked, depth_mm)
+        _print_table(result, checked, alone, depth_mm)
 
 
 def _conditions(
@@ -91,7 +92,7 @@ def _tcp_sd(path: Path) -> tuple[float, float]:
     return tool.calibration_sd_mm, math.degrees(tool.calibration_sd_rad)
 
 
-def _to_json(result: "Budget", checked: "Check | None") -> dict[str, Any]:
+def _to_json(result: "Budget", checked: "Check | None", alone: "dict[ErrorSource, SourceCheck]") -> dict[str, Any]:
     sources = {source.value: _share_to_json(result.share(source)) for source in result.covariances}
     answer: dict[str, Any] = {"status": "budgeted", "sources": sources, "total": _share_to_json(result.whole())}
     if checked is not None:
@@ -99,6 +100,10 @@ def _to_json(result: "Budget", checked: "Check | None") -> dict[str, Any]:
             "draws": checked.draws,
             "rms_ratio": {"angle": checked.angle_ratio, "position": checked.position_ratio},
             "within_95": {"angle": checked.angle_within, "position": checked.position_within},
+            "sources": {
+                source.value: {"angle": one.angle_ratio, "position": one.position_ratio}
+                for source, one in alone.items()
+            },
         }
     return answer
 
@@ -112,25 +117,38 @@ def _share_to_json(share: "Share") -> dict[str, float]:
     }
 
 
-def _print_table(result: "Budget", checked: "Check | None", depth_mm: float) -> None:
+def _print_table(
+    result: "Budget", checked: "Check | None", alone: "dict[ErrorSource, SourceCheck]", depth_mm: float
+) -> None:
     from rich.console import Console
     from rich.table import Table
 
     table = Table(title=f"Targeting error at {depth_mm:g} mm, 95 %")
     table.add_column("source")
-    for heading in ("deg alone", "mm alone", "of angle", "of position"):
+    drawn = ("deg drawn", "mm drawn") if checked else ()
+    for heading in ("deg alone", "mm alone", "of angle", "of position", *drawn):
         table.add_column(heading, justify="right")
+    last = list(result.covariances)[-1]
     for source in result.covariances:
-        table.add_row(source.value, *_cells(result.share(source)), end_section=source is list(result.covariances)[-1])
-    table.add_row("total", *_cells(result.whole()))
+        cells = (*_cells(result.share(source)), *_ratios(alone.get(source)))
+        table.add_row(source.value, *cells, end_section=source is last)
+    table.add_row("total", *_cells(result.whole()), *_ratios(checked))
     console = Console()
     console.print(table)
     if checked is not None:
         console.print(
-            f"{checked.draws} draws of everything at once: root mean square {checked.angle_ratio:.3f} (angle) and "
-            f"{checked.position_ratio:.3f} (position) of the linear total; "
-            f"{checked.angle_within:.1%} and {checked.position_within:.1%} within its 95 % bounds"
+            f"drawn: root mean square of {checked.draws} draws of the source alone, of the total of everything at "
+            f"once, against the linear one; {checked.angle_within:.1%} and {checked.position_within:.1%} lie within "
+            "the total's 95 % bounds"
         )
+
+
+def _ratios(checked: "Check | SourceCheck | None") -> tuple[str, ...]:
+    """Cells of the columns `drawn`."""
+    if checked is None:
+        return ()
+    ratios = (checked.angle_ratio, checked.position_ratio)
+    return tuple("" if ratio is None else f"x {ratio:.3f}" for ratio in ratios)
 
 
 def _cells(share: "Share") -> tuple[str, ...]:

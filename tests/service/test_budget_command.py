@@ -33,6 +33,7 @@ def test_the_table_names_every_source_and_the_total() -> None:
     assert result.exit_code == 0, result.output
     for name in SOURCES | {"total"}:
         assert name in result.stdout
+    assert "drawn" not in result.stdout
 
 
 def test_as_json_the_shares_make_up_the_whole_and_the_check_is_told() -> None:
@@ -43,10 +44,12 @@ def test_as_json_the_shares_make_up_the_whole_and_the_check_is_told() -> None:
     assert math.fsum(one["angle_share"] for one in printed["sources"].values()) == pytest.approx(1.0)
     assert printed["total"]["position_95_mm"] > printed["sources"]["arm"]["position_95_mm"]
     assert printed["check"]["draws"] == 50
+    assert set(printed["check"]["sources"]) == SOURCES - {"target depth"}
+    assert printed["check"]["sources"]["distortion"] == {"angle": None, "position": None}  # of a flat panel
 
 
 def test_the_plot_is_a_picture(tmp_path: Path) -> None:
-    assert run("--out", tmp_path / "plots").exit_code == 0
+    assert run("--out", tmp_path / "plots", "--check", "5").exit_code == 0
     picture = cv2.imdecode(np.fromfile(tmp_path / "plots" / "budget.png", np.uint8), cv2.IMREAD_COLOR)
     assert picture.shape[1] == 1500
 

@@ -9,7 +9,7 @@ import pytest
 
 from vision.aim_error import AimErrors, aim_error
 from vision.budget import Budget, ErrorSource, error_budget
-from vision.budget_check import check_budget
+from vision.budget_check import check_budget, check_sources
 from vision.budget_conditions import Conditions, conditions_of, reference_conditions
 from vision.devices import CArm, Guide
 from vision.motion_agreement import MotionErrors
@@ -21,7 +21,7 @@ STILL = MotionErrors(0.0, 0.0, 0.0, 0.0)
 NO_ERRORS = AimErrors(np.zeros(2), np.zeros(6), np.zeros((2, 6)), np.zeros(2), 0.0)
 PIXEL, DEPTH_MM = np.array([600.0, 480.0]), 80.0
 ROUND_95 = math.sqrt(-2.0 * math.log(0.05))  # radius of a round plane Gaussian that holds 95 %, standard deviations
-DRAWS = 800
+DRAWS, DRAWS_ALONE = 800, 150
 
 
 @pytest.fixture
@@ -136,6 +136,23 @@ def test_draws_of_what_the_registration_leaves_agree_with_its_own_part(
     good = replace(guide, tolerance=replace(guide.tolerance, bore_concentricity_sd_mm=0.005))
     carm = replace(request.getfixturevalue(kind), source_to_image_sd_mm=5.0)
     assert_agrees(reference_conditions(good, carm, STILL, 5.0))
+
+
+def test_draws_of_each_source_alone_agree_with_its_own_part(on_intensifier: Conditions) -> None:
+    # 15 px of the principal point leave a third more of the angle than to first order
+    carm = replace(on_intensifier.carm, source_to_image_sd_mm=5.0, principal_point_sd_px=3.0)
+    conditions = replace(on_intensifier, carm=carm)
+    checks = check_sources(conditions, error_budget(conditions), DRAWS_ALONE, 5)
+    assert set(checks) == set(ErrorSource) - {ErrorSource.TARGET_DEPTH}
+    for check in checks.values():
+        assert check.angle_ratio == pytest.approx(1.0, abs=4.0 / math.sqrt(2.0 * DRAWS_ALONE))
+        assert check.position_ratio == pytest.approx(1.0, abs=4.0 / math.sqrt(2.0 * DRAWS_ALONE))
+
+
+def test_a_source_that_does_nothing_has_no_ratio(on_intensifier: Conditions) -> None:
+    still = replace(on_intensifier, motion=STILL)
+    check = check_sources(still, error_budget(still), 2, 5)[ErrorSource.ARM]
+    assert (check.angle_ratio, check.position_ratio) == (None, None)
 
 
 def test_a_registration_of_another_detector_is_no_condition(

@@ -7,6 +7,7 @@ import pytest
 
 from simulator.carm.faulted import Fault, faulted_scene
 from simulator.carm.quick_render import render_quickly
+from simulator.carm.resizing import resized
 from vision.devices import CArm, Guide
 from vision.refusal import Refusal, RefusalCode
 from vision.registered import PixelSpace, Registration
@@ -15,10 +16,13 @@ from vision.targeting import Targeting, target
 from vision.xray import XrayImage
 
 WRONG_DEG, WRONG_MM = 0.5, 1.0
-_SEEDS = {Fault.SEPARATION: (1, 7, 15), Fault.SECOND_GUIDE: (16, 19, 27, 10054)}  # accepted and wrong, once
+_SMALL_PX, _FIELD_MM = 512, 360.0
+_SEEDS, _SMALL_SEEDS = range(7), (2, 4, 6)
+# accepted and wrong, once, as the separation's 1; and more where nothing is wrong
+_MORE = {Fault.SEPARATION: (7, 15), Fault.SECOND_GUIDE: (16, 19, 27, 10054), Fault.NOTHING: range(7, 12)}
 _ALWAYS_REFUSED = {
-    Fault.MIRRORED: {RefusalCode.MIRRORED},
-    Fault.LINE_HIDDEN: {RefusalCode.LINE_MISSING},
+    Fault.MIRRORED: {RefusalCode.MIRRORED, RefusalCode.BEAD_MISSING},
+    Fault.LINE_HIDDEN: {RefusalCode.LINE_MISSING, RefusalCode.GUIDE_MISMATCH},
     Fault.BEAD_HIDDEN: {RefusalCode.BEAD_MISSING},
     Fault.NO_PLATE: {RefusalCode.PLATE_MISSING, RefusalCode.PLATE_TOO_SPARSE},
     Fault.FLAT_PANEL_FILE: {RefusalCode.PLATE_UNEXPECTED},
@@ -27,13 +31,18 @@ _ALWAYS_REFUSED = {
     Fault.SMALL_RADIUS: set(RefusalCode),
     Fault.BIG_RADIUS: set(RefusalCode),
 }
-_DRAWN = [(fault, seed) for fault in Fault for seed in _SEEDS.get(fault, (0,))]
+_DRAWN = [(fault, seed) for fault in Fault for seed in (*_SEEDS, *_MORE.get(fault, ()))]
+
+
+def test_two_hundred_scenes_are_drawn() -> None:
+    assert len(set(_DRAWN)) == 200
 
 
 @pytest.mark.parametrize(("fault", "seed"), _DRAWN, ids=[f"{fault}-{seed}" for fault, seed in _DRAWN])
 def test_nothing_wrong_is_accepted(fault: Fault, seed: int, guide: Guide, intensifier: CArm, flat_panel: CArm) -> None:
     drawn = faulted_scene(fault, seed)
-    xray = render_quickly(drawn.scene, seed)
+    scene = resized(drawn.scene, _SMALL_PX, _FIELD_MM) if seed in _SMALL_SEEDS else drawn.scene
+    xray = render_quickly(scene, seed)
     pixels = xray.pixels if drawn.flip is None else drawn.flip(xray.pixels)
     values = np.ascontiguousarray(pixels.astype(np.float32) / (2.0 ** (8 * pixels.itemsize) - 1.0))
     image = XrayImage(values, 8 * pixels.itemsize, "0" * 64)
