@@ -140,7 +140,8 @@ def _ran_away(view: View, guide: Guide, scene: Scene) -> Refusal | None:
     """Whether a fit to something else has taken the guide out of the image, where nothing can be measured."""
     turn = np.linspace(0.0, 2.0 * np.pi, _AROUND, endpoint=False)
     nearest_mm = guide.wire_diameter_mm * view.intrinsics.alpha_x_px / (_WIDEST * scene.reader.reach_px)
-    shares = []
+    # half a ring may lie before a source that the other half has passed
+    shares = [float(view.source_from_guide[2, 3] > nearest_mm > 0.0)]
     for ring in (Wire.SMALL_RING, Wire.BIG_RING):
         places = points_in_guide(guide, np.full(_AROUND, ring, dtype=np.intp), turn)
         in_front = places @ view.source_from_guide[2, :3] + view.source_from_guide[2, 3] > nearest_mm
