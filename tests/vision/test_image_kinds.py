@@ -69,7 +69,7 @@ KINDS = (
     Kind(3, 16, "linear", 1024, 305.0, "MONOCHROME2", "ii"),
 )
 
-_SEEDS = {9: 2}  # of the scenes, else a kind's place; at 512 pixels some scenes are refused
+_SEEDS = {8: 2, 9: 2}  # of the scenes, else a kind's place: with few pixels or few dark levels some are refused
 
 
 def test_the_kinds_hold_every_pair_of_levels() -> None:
