@@ -130,7 +130,8 @@ def test_the_picture_is_a_png_over_http_for_those_who_signed_in(running, monkeyp
 def test_image_work_draws_what_it_refuses_and_nothing_of_what_is_no_image(make_xray, device_files):
     devices = (device_files["guide"].encode(), device_files["carm"].encode())
     image = make_xray(rows=256, columns=256)
-    jobs = (register, partial(evaluate, raw_px=(128.0, 128.0), depth_mm=80.0, before={"image": image, "handedness_proved": False}))
+    before = {"image": image, "handedness_proved": False}
+    jobs = (register, partial(evaluate, raw_px=(128.0, 128.0), depth_mm=80.0, before=before))
     for job in jobs:
         refused = job(image, *devices)
         png = np.frombuffer(base64.b64decode(refused["findings_png_base64"]), np.uint8)
