@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator
+from contextlib import suppress
 
 from service.cases import store
 from service.cases.records import StoredEvent
@@ -34,10 +35,10 @@ class EventFeed:
             self._sleepers.discard(sleeper)
 
     async def _sleep(self, event: asyncio.Event) -> None:
-        try:
-            await asyncio.wait_for(event.wait(), _POLL_S)
-        except TimeoutError:
-            return
+        # not wait_for, which in Python 3.11 takes a cancellation for nothing where the event comes with it
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_POLL_S):
+                await event.wait()
 
     def _after(self, case_id: str, sequence: int) -> list[StoredEvent]:
         with self._database.read() as connection:

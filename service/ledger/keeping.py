@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 
 import structlog
 from fastapi import FastAPI
@@ -67,10 +67,11 @@ async def _follow(settings: Settings, database: Database, signer: Signer, change
         changed.clear()
         await asyncio.to_thread(_note, settings, database, signer, sender)
         await asyncio.sleep(_STEP_S)
-        try:
-            await asyncio.wait_for(changed.wait(), _AGAIN_S)
-        except TimeoutError:
-            continue
+        # not wait_for: in Python 3.11 it takes a cancellation for nothing where a commit comes with it, and the service
+        # would not end
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_AGAIN_S):
+                await changed.wait()
 
 
 def _note(settings: Settings, database: Database, signer: Signer, sender: CheckpointSender | None) -> None:

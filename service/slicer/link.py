@@ -135,4 +135,5 @@ class _Watcher:
         if self._writer.is_closing():
             raise ConnectionError("the watcher or the service hangs up")
         self._writer.write(message)
-        await asyncio.wait_for(self._writer.drain(), _STALLED_S)
+        async with asyncio.timeout(_STALLED_S):
+            await self._writer.drain()

@@ -167,7 +167,7 @@ def upload_devices(client: Coaxial) -> None:
 
 def prepare(case: Case) -> Case:
     """The arm seen, control taken, the guide stated empty."""
-    until(lambda: case.status()["arm"]["connected"])
+    until(lambda: case.status()["arm"]["base_from_tcp"] is not None)
     case.take_lease("start")
     case.command("guide-state-stated", guide="empty")
     until(lambda: case.status()["arm"]["phase"] == "idle")

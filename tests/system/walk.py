@@ -150,6 +150,6 @@ def lifting(case: Case, controller: ControllerProcess, mm: float) -> Iterator[Ho
                 yield hold
                 return
         if case.wait_for("safe_hold", "case_open")["state"] == "safe_hold":
-            until(lambda: case.status()["arm"]["connected"])
+            until(lambda: case.status()["arm"]["base_from_tcp"] is not None)
             case.command("acknowledged", guide="empty")
     pytest.fail("the machine is too busy to hold a button for a second")
