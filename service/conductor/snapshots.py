@@ -57,6 +57,12 @@ def measured_for(snapshot: SafetySnapshot, watch: ArmWatch, case: CaseState, tri
     return replace(snapshot, **_image(watch, _image_of(case, trigger), snapshot.joints_rad.age_s))
 
 
+def as_locked(snapshot: SafetySnapshot) -> SafetySnapshot:
+    """The same moment as the start of an insertion finds it: that request first locks a guard that answers (H29)."""
+    locked = snapshot.motion_locked
+    return snapshot if locked.value is None else replace(snapshot, motion_locked=replace(locked, value=True))
+
+
 def _image_of(case: CaseState, trigger: Trigger) -> str | None:
     """The image whose exposure pose the request relies on."""
     if trigger is Trigger.CORRECTION_REQUESTED:

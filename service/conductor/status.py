@@ -16,7 +16,7 @@ from service.conductor.answers import AllowanceAnswer, ArmAnswer, LeaseAnswer, R
 from service.conductor.command_permissions import CommandPermissions
 from service.conductor.conductor import LEASED, Conductor, TheConductor
 from service.conductor.route_errors import READING
-from service.conductor.snapshots import OF_ANOTHER_IMAGE, measured_for
+from service.conductor.snapshots import OF_ANOTHER_IMAGE, as_locked, measured_for
 from service.conductor.taking import Rules, Standing, stand
 from service.conductor.target_list import target_states
 from service.motion.arm_watch import ArmReading
@@ -83,6 +83,7 @@ def _status(
 def allowances(case: CaseState, snapshot: SafetySnapshot, rules: Rules) -> dict[Trigger, Allowance]:
     """What may be asked now, each request on the displacement since the exposure that it relies on."""
     own = {trigger: measured_for(snapshot, rules.watch, case, trigger) for trigger in OF_ANOTHER_IMAGE}
+    own[Trigger.INSERTION_STARTED] = as_locked(snapshot)
     return allowed(case, snapshot, rules.limits, rules.clock(), own)
 
 

@@ -11,6 +11,7 @@ def test_one_target_from_the_open_case_to_the_sleeve_with_one_correction(walk) -
     walk.to("off_target")
     walk.corrected()
     walk.verified()
+    assert case.status()["allowed"]["insertion_started"]["allowed"], "the request itself locks the guard"
     walk.inserting()
     with pytest.raises(Refused):
         case.plan("retreat", distance_mm=30.0)
