@@ -80,13 +80,16 @@ class ControllerServers:
         await asyncio.sleep(0)  # an aborted connection is closed in the loop's next turn: whoever waits sees it closed
 
     def _admit(self, port: int, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """Serve a client, unless its port was shut while it was being accepted."""
+        client = asyncio.ensure_future(self._serve(port, reader, writer))
+        self._clients.add(client)
+        client.add_done_callback(self._clients.discard)
+
+    async def _serve(self, port: int, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Serve a client, unless its port was shut after it was accepted and before this task came to begin."""
         if _FAULTS_OF_PORT[port] & self._core.faults:
             writer.transport.abort()
             return
-        client = asyncio.ensure_future(self._servers[port].serve(reader, writer))
-        self._clients.add(client)
-        client.add_done_callback(self._clients.discard)
+        await self._servers[port].serve(reader, writer)
 
     def _cycle(self) -> None:
         self.pacing.note()
