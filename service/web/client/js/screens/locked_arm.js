@@ -6,7 +6,9 @@ import { number, t } from "../words.js";
 
 /** @param {any} props */
 export function LockedArm({ current }) {
-  const { arm, insertion } = current;
+  const { arm, insertion, chain } = current;
+  // While the sleeve goes in nothing is concluded yet: what counts is whether the verification still stands.
+  const verified = insertion?.status === "open" ? chain.verification !== null : insertion?.verified;
   return html`<div class="locked-arm">
     <i class="icon icon-lock"></i>
     <h3>${t(arm.phase === "held" ? "arm.locked" : "arm.not_locked")}</h3>
@@ -14,7 +16,7 @@ export function LockedArm({ current }) {
       <${Row} name=${t("arm.at_rest")} value=${t(arm.at_rest ? "yes" : "no")} />
       <${Row} name=${t("arm.program")} value=${t(arm.program_running ? "yes" : "no")} />
       <${Row} name=${t("arm.speed")} value=${number(arm.tcp_speed_mm_s, 2)} unit="mm/s" />
-      <${Row} name=${t("insertion.verified")} value=${t(insertion?.verified ? "yes" : "no")} />
+      <${Row} name=${t("insertion.verified")} value=${t(verified ? "yes" : "no")} />
     <//>
   </div>`;
 }
