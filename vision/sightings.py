@@ -73,12 +73,19 @@ def _sighting(first: Registration, one: Registration) -> Sighting:
     dimensions = _dimensions(one)
     view = similarity_between(first.distortion, one.distortion).view(one.view())
     rows, pulls = _prior(one, one.view(), dimensions)
-    information = np.linalg.inv(joint_covariance(one.covariance, dimensions)) - rows.T @ rows
+    information = _inverse(joint_covariance(one.covariance, dimensions)) - rows.T @ rows
     order = [*_SHARED, *_POSE]
     weights, offset = _whitened(information[np.ix_(order, order)], (rows.T @ pulls)[order])
     numbers = view.intrinsics
     shared = np.array([numbers.alpha_x_px, numbers.alpha_y_px, numbers.u0_px, numbers.v0_px, *dimensions.values_mm])
     return Sighting(view.source_from_guide, shared, weights, offset)
+
+
+def _inverse(covariance: Array) -> Array:
+    """The inverse, taken of the correlations: pixels, millimetres and radians side by side would cost digits."""
+    sd = np.sqrt(np.diag(covariance))
+    scales = np.outer(sd, sd)
+    return np.asarray(np.linalg.inv(covariance / scales) / scales)
 
 
 def _whitened(information: Array, slope: Array) -> tuple[Array, Array]:
