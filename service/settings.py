@@ -40,7 +40,7 @@ class HttpSettings(_Section):
 
 
 class DicomSettings(_Section):
-    """The receiver of X-ray images; no accepted caller named means that every calling AE is accepted."""
+    """The receiver of X-ray images; it takes none from a calling AE title that is not named among those accepted."""
 
     host: str = "127.0.0.1"
     port: int = Field(default=11112, ge=0, le=65535)

@@ -1,5 +1,6 @@
 """The DICOM receiver: answers success only after the bytes are committed; decoding comes later, elsewhere."""
 
+import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -25,6 +26,9 @@ _SUCCESS, _OUT_OF_RESOURCES, _CANNOT_UNDERSTAND = 0x0000, 0xA700, 0xC000
 # Room for the headers of the protocol's own units around a largest image.
 _PROTOCOL_OVERHEAD = 1.05
 _TIMEOUT_S = 30.0
+# An empty list lets everybody in; nobody can know this title, so that nobody comes in where no caller is named.
+_NOBODY = secrets.token_hex(8)
+_TO_NAME_CALLERS = 'dicom.accepted_callers = ["CARM"] in the settings, or COAXIAL_DICOM__ACCEPTED_CALLERS=\'["CARM"]\''
 _UNCOMPRESSED = ("1.2.840.10008.1.2.1", "1.2.840.10008.1.2", "1.2.840.10008.1.2.2")
 # RLE; JPEG baseline, extended, lossless (two), LS (two), 2000 (two): what the image worker can decode.
 _COMPRESSED = (
@@ -48,9 +52,11 @@ class DicomReceiver:
         for context in AllStoragePresentationContexts:
             entity.add_supported_context(context.abstract_syntax, [*_UNCOMPRESSED, *_COMPRESSED])
         entity.add_supported_context(Verification)
-        entity.require_calling_aet = list(self._settings.accepted_callers)
+        entity.require_calling_aet = list(self._settings.accepted_callers) or [_NOBODY]
         entity.acse_timeout = entity.dimse_timeout = entity.network_timeout = _TIMEOUT_S
         server = self._started(entity)
+        if not self._settings.accepted_callers:
+            _log.warning("dicom_accepts_nobody", what_to_do=f"name the C-arm's AE title: {_TO_NAME_CALLERS}")
         try:
             yield int(server.socket.getsockname()[1])
         finally:
@@ -79,7 +85,10 @@ class DicomReceiver:
             event.assoc.abort()
 
     def _on_rejected(self, event: Any) -> None:
-        _log.warning("dicom_caller_refused", calling_ae=event.assoc.requestor.ae_title)
+        caller = event.assoc.requestor
+        _log.warning(
+            "dicom_caller_refused", calling_ae=caller.ae_title, address=caller.address, what_to_do=_TO_NAME_CALLERS
+        )
 
     def _on_store(self, event: Any) -> Dataset:
         event.assoc.coaxial_bytes = 0

@@ -76,6 +76,7 @@ class _Plan:
             f"port = {self.http_port}",
             "[dicom]",
             f"port = {self.dicom_port}",
+            'accepted_callers = ["CARM"]',
             "[vision]",
             f"deadline_s = {_VISION_DEADLINE_S}",
             "[arm_accuracy]",

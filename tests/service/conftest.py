@@ -38,7 +38,7 @@ def settings(tmp_path: Path, databases: Databases) -> Iterator[Settings]:
 
 
 def _settings(folder: Path, address: str) -> Settings:
-    any_port = {"http": HttpSettings(port=0), "dicom": DicomSettings(port=0)}
+    any_port = {"http": HttpSettings(port=0), "dicom": DicomSettings(port=0, accepted_callers=("CARM",))}
     return Settings(data_folder=folder, database_url=address, min_free_bytes=0, **any_port)
 
 

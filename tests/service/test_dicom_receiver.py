@@ -15,6 +15,7 @@ import pytest
 from pydicom import dcmread
 from pynetdicom import AE
 from pynetdicom.sop_class import XRayAngiographicImageStorage
+from structlog.testing import capture_logs
 
 from service.database.engines import Database
 from service.errors import ErrorCode
@@ -50,13 +51,19 @@ class Receiving:
 
 
 @pytest.fixture
+def log():
+    with capture_logs() as entries:
+        yield entries
+
+
+@pytest.fixture
 def receive(database, storescu, tmp_path):
     with ExitStack() as stack:
 
         def start(**settings) -> Receiving:
             arrivals, arrived = ImageArrivals(), []
             arrivals.listen(arrived.append)
-            limits = DicomSettings(port=0, max_image_bytes=_MAX_BYTES, **settings)
+            limits = DicomSettings(port=0, max_image_bytes=_MAX_BYTES, **{"accepted_callers": ("CARM",)} | settings)
             port = stack.enter_context(DicomReceiver(limits, database, arrivals).listening())
             return Receiving(port, database, arrived, storescu, tmp_path)
 
@@ -66,7 +73,7 @@ def receive(database, storescu, tmp_path):
 def _send_to_the_byte(port: int, file: Path, monkeypatch: pytest.MonkeyPatch) -> object:
     """Send a file's data set as it stands, where storescu would notice that it is broken."""
     monkeypatch.setattr(pynetdicom._config, "STORE_SEND_CHUNKED_DATASET", True)
-    entity = AE("BROKEN")
+    entity = AE("CARM")
     entity.add_requested_context(XRayAngiographicImageStorage, "1.2.840.10008.1.2.1")
     association = entity.associate("127.0.0.1", port)
     status = association.send_c_store(file)
@@ -157,11 +164,24 @@ def test_several_images_on_one_association_do_not_add_up_to_the_byte_limit(recei
     assert len(room.images()) == 4
 
 
-def test_only_named_callers_are_accepted_where_they_are_named(receive, make_xray):
-    room = receive(accepted_callers=("CARM",))
-    assert room.send(make_xray(), calling="STRANGER").returncode != 0
+def test_a_caller_that_is_not_named_is_refused_and_told_to_the_log_by_title(receive, make_xray, log):
+    room = receive(accepted_callers=("CARM", "CARM2"))
+    for stranger in ("STRANGER", "carm", "CARM3", "CAR"):
+        refused = room.send(make_xray(), calling=stranger)
+        assert "Calling AE Title Not Recognized" in refused.stderr
+        assert log[-1]["event"] == "dicom_caller_refused"
+        assert log[-1]["calling_ae"] == stranger
     assert room.images() == []
-    assert room.send(make_xray(), calling="CARM").returncode == 0
+    assert room.send(make_xray(), calling="CARM2").returncode == 0
+
+
+def test_where_no_caller_is_named_nobody_comes_in_and_the_log_says_what_to_set(receive, make_xray, log):
+    room = receive(accepted_callers=())
+    assert [entry["event"] for entry in log] == ["dicom_accepts_nobody"]
+    assert "accepted_callers" in log[0]["what_to_do"]
+    for caller in ("CARM", "ANY-SCP"):
+        assert "Calling AE Title Not Recognized" in room.send(make_xray(), calling=caller).stderr
+    assert room.images() == []
 
 
 def test_noise_on_the_port_is_borne(receive, make_xray):
@@ -193,7 +213,7 @@ def test_a_failing_listener_does_not_make_a_stored_image_fail(database, storescu
 
     arrivals.listen(fail)
     arrivals.listen(arrived.append)
-    with DicomReceiver(DicomSettings(port=0), database, arrivals).listening() as port:
+    with DicomReceiver(DicomSettings(port=0, accepted_callers=("CARM",)), database, arrivals).listening() as port:
         room = Receiving(port, database, arrived, storescu, tmp_path)
         assert room.send(make_xray()).returncode == 0
     assert len(arrived) == 1

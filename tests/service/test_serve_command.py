@@ -25,7 +25,7 @@ def _environment(folder: Path, **more: str) -> dict[str, str]:
     """Free ports; nothing of the caller's own settings."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("COAXIAL_") or name == _ADDRESS}
     ours = {"COAXIAL_DATA_FOLDER": str(folder), "COAXIAL_HTTP__PORT": "0", "COAXIAL_MIN_FREE_BYTES": "0"}
-    return kept | ours | {"COAXIAL_DICOM__PORT": "0"} | more
+    return kept | ours | {"COAXIAL_DICOM__PORT": "0", "COAXIAL_DICOM__ACCEPTED_CALLERS": '["STORESCU"]'} | more
 
 
 def _coaxial(folder: Path, *arguments: str, stdin: str = "", **more: str) -> subprocess.CompletedProcess:

@@ -56,6 +56,7 @@ class Service:
         kept = {name: value for name, value in os.environ.items() if not name.startswith("COAXIAL_")}
         ours = {"COAXIAL_DATA_FOLDER": str(self.folder), "COAXIAL_DATABASE_URL": self.database_url}
         ours |= {"COAXIAL_HTTP__PORT": "0", "COAXIAL_DICOM__PORT": "0"}
+        ours |= {"COAXIAL_DICOM__ACCEPTED_CALLERS": '["CARM"]'}
         arm = {} if self.arm_address is None else {"COAXIAL_ARM_ADDRESS": self.arm_address}
         # the tests bring the guide off its target by displacing it in the image, as a coarse arm would
         coarse = {"COAXIAL_ARM_ACCURACY__POSITION_SD_MM": "2.0"}

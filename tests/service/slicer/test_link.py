@@ -65,7 +65,7 @@ def watched(tmp_path, databases, serving, free_port):
             min_free_bytes=0,
             arm_address=arm.address,
             http=HttpSettings(port=0),
-            dicom=DicomSettings(port=0),
+            dicom=DicomSettings(port=0, accepted_callers=("STORESCU",)),
             slicer=SlicerSettings(port=free_port),
         )
         with serving(settings) as service:
