@@ -9,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests test-tablet pictures test-postgresql audit-bench bench bench-service bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp format docs lock replay-bench
+.PHONY: help demo run test check tests test-tablet pictures test-postgresql audit-bench bench bench-service bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp interlock-removal format docs lock replay-bench
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -85,6 +85,9 @@ faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong ea
 	$(BIN)/python benchmarks/faulted.py --count $(or $(COUNT),1000) --first $(or $(FIRST),0) --processes $(or $(PROCESSES),2) \
 	  --folder $(or $(FOLDER),$(VENV)/faulted)
 
+interlock-removal: $(VENV)/.test  ## take each interlock out in turn and say which test of the rules fails: INTERLOCKS="at_rest pin"
+	$(BIN)/python -m benchmarks.interlock_removal $(if $(INTERLOCKS),--interlocks $(INTERLOCKS))
+
 audit-bench: $(VENV)/.runtime  ## how fast the ledger is written, verified (COUNT=20000 entries) and read (PAGES=1000000)
 	$(BIN)/python benchmarks/audit.py --count $(or $(COUNT),20000) --pages $(or $(PAGES),1000000)
 
@@ -102,9 +105,10 @@ format: $(VENV)/.test  ## write the house format
 	$(BIN)/ruff format --quiet .
 	$(BIN)/ruff check --quiet --fix .
 
-docs: $(VENV)/.runtime  ## write the generated pages and the README's picture anew
+docs: $(VENV)/.test  ## write the generated pages and the README's picture anew
 	$(BIN)/python -m workflow.diagram > docs/state-machine.md
 	$(BIN)/python -m service.error_page > docs/error-codes.md
+	$(BIN)/python -m tests.docs.safety_page > docs/safety.md
 	$(BIN)/python -c 'from workflow.diagram import mermaid; print("```mermaid", mermaid().strip(), "```", sep="\n")' > $(VENV)/picture.md
 	sed -i -e '/state-machine:begin/,/state-machine:end/{//!d}' -e '/state-machine:begin/r $(VENV)/picture.md' README.md
 

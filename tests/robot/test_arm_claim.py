@@ -40,6 +40,7 @@ def _connections(controller) -> int:
     return sum(one.text == "connected" for one in controller.wire())
 
 
+@pytest.mark.hazard("H19")
 def test_a_second_claim_is_refused_until_the_first_is_given_up(controller) -> None:
     first, second = ArmClaim(controller.address), ArmClaim(controller.address)
     first.take()
@@ -125,6 +126,7 @@ def test_a_controller_without_that_version_or_register_is_refused_with_a_reason(
         serving.join()
 
 
+@pytest.mark.hazard("H19")
 def test_a_second_driver_neither_connects_nor_stops_what_the_first_one_runs(controller) -> None:
     first, second = UR5(controller.address), UR5(controller.address)
     assert first.connect()

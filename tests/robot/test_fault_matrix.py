@@ -347,6 +347,7 @@ def make_scene(tmp_path: Path) -> Iterator[Callable[[Row], Scene]]:
         controller.close()
 
 
+@pytest.mark.hazard("H10", "H12", "H18", "H19", "H21")
 @pytest.mark.parametrize(("row", "when"), list(cells()))
 def test_fault(make_scene: Callable[[Row], Scene], row: Row, when: When) -> None:
     scene = make_scene(row)

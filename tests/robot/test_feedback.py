@@ -20,6 +20,7 @@ def test_advancing_readings_are_good_and_go_stale(at: At) -> None:
     assert not watch.is_fresh(0.032 + STALE_S + 1e-6)
 
 
+@pytest.mark.hazard("H21")
 @pytest.mark.parametrize("field", ["joints_rad", "joint_speeds_rad_s", "base_from_tcp", "payload_centre_mm"])
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_reading_with_a_number_that_is_none_is_not_kept(at: At, field: str, value: float) -> None:
@@ -32,6 +33,7 @@ def test_reading_with_a_number_that_is_none_is_not_kept(at: At, field: str, valu
     assert watch.newest.controller_time_s == 0.0
 
 
+@pytest.mark.hazard("H21")
 @pytest.mark.parametrize("time_s", [0.0, -0.008])
 def test_controller_time_that_stands_or_goes_back_is_out_of_order(at: At, time_s: float) -> None:
     watch = FeedbackWatch()
@@ -39,6 +41,7 @@ def test_controller_time_that_stands_or_goes_back_is_out_of_order(at: At, time_s
     assert watch.take(at(time_s)) is Verdict.OUT_OF_ORDER
 
 
+@pytest.mark.hazard("H21")
 @pytest.mark.parametrize("speed_mm_s", [18.0, 0.7])  # no speed lies between frozen and at rest
 def test_pose_that_stands_while_a_speed_is_claimed_is_frozen(at: At, speed_mm_s: float) -> None:
     watch = FeedbackWatch()
@@ -77,6 +80,7 @@ def told_by(watch: DisplacementWatch, readings: list[ArmState]) -> list[float]:
     return [disturbed.offset_mm for disturbed in told if disturbed is not None]
 
 
+@pytest.mark.hazard("H04")
 @pytest.mark.parametrize(("step_mm", "told_mm"), [(0.04, []), (0.06, [0.06]), (-0.06, [0.06])])
 def test_displacement_is_told_once_above_its_limit(at: At, step_mm: float, told_mm: list[float]) -> None:
     watch = DisplacementWatch()
@@ -84,6 +88,7 @@ def test_displacement_is_told_once_above_its_limit(at: At, step_mm: float, told_
     assert told_by(watch, [at(0.1 * index, x_mm=step_mm) for index in range(1, 20)]) == pytest.approx(told_mm)
 
 
+@pytest.mark.hazard("H04")
 def test_push_that_takes_its_time_is_told_whole(at: At) -> None:
     watch = DisplacementWatch()
     ramp = [at(0.008 * index, x_mm=min(0.01 * index, 0.12)) for index in range(100)]
@@ -96,6 +101,7 @@ def test_blow_that_springs_back_is_told_with_its_peak(at: At) -> None:
     assert told_by(watch, blow) == pytest.approx([0.3])
 
 
+@pytest.mark.hazard("H04")
 def test_creep_by_many_small_steps_is_told(at: At) -> None:
     watch = DisplacementWatch()
     assert len(told_by(watch, [at(0.1 * index, x_mm=0.01 * index) for index in range(9)])) == 1

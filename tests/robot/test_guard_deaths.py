@@ -77,6 +77,7 @@ def parent(controller: ControllerProcess, tmp_path: Path) -> Iterator[HoldingPar
     parent.end()
 
 
+@pytest.mark.hazard("H17")
 def test_killed_service_stops_the_arm_at_once_and_the_guard_goes(
     parent: HoldingParent, controller: ControllerProcess, tmp_path: Path
 ) -> None:
@@ -89,6 +90,7 @@ def test_killed_service_stops_the_arm_at_once_and_the_guard_goes(
     assert (ended["type"], ended["cause"], ended["at_rest"]) == ("motion_ended", "parent_lost", True)
 
 
+@pytest.mark.hazard("H20")
 def test_paused_service_is_silence_and_its_return_moves_nothing(
     parent: HoldingParent, controller: ControllerProcess
 ) -> None:
@@ -101,6 +103,7 @@ def test_paused_service_is_silence_and_its_return_moves_nothing(
     stays_at_rest(controller)
 
 
+@pytest.mark.hazard("H17")
 def test_killed_guard_is_noticed_by_its_parent_which_stops_the_arm(bench) -> None:
     bench.move(step_mm=60.0)
     at_s = time.monotonic()
@@ -114,6 +117,7 @@ def test_killed_guard_is_noticed_by_its_parent_which_stops_the_arm(bench) -> Non
     bench.stays_at_rest()
 
 
+@pytest.mark.hazard("H17")
 def test_controllers_watchdog_stops_the_arm_when_guard_and_service_are_gone(
     parent: HoldingParent, controller: ControllerProcess
 ) -> None:
@@ -127,6 +131,7 @@ def test_controllers_watchdog_stops_the_arm_when_guard_and_service_are_gone(
     stays_at_rest(controller)
 
 
+@pytest.mark.hazard("H20")
 def test_paused_guard_feeds_no_watchdog_and_is_replaced(bench) -> None:
     bench.move(step_mm=60.0)
     frozen = bench.client.process_id
@@ -141,6 +146,7 @@ def test_paused_guard_feeds_no_watchdog_and_is_replaced(bench) -> None:
     bench.stays_at_rest()
 
 
+@pytest.mark.hazard("H20")
 def test_guard_that_wakes_up_late_stops_instead_of_going_on(bench) -> None:
     bench.move(step_mm=60.0)
     os.kill(bench.client.process_id, signal.SIGSTOP)

@@ -169,6 +169,7 @@ def ahead(move: BeginMove, offset_mm: float, turn_deg: float = 0.0) -> np.ndarra
     return goal
 
 
+@pytest.mark.hazard("H12")
 @pytest.mark.parametrize(
     ("change", "code", "limit"),
     [
@@ -194,6 +195,7 @@ def test_motion_at_every_cap_is_allowed(room: Room, move: BeginMove) -> None:
     assert room.orders == ["control", "move"]
 
 
+@pytest.mark.hazard("H12")
 def test_motion_against_something_that_presses_already_is_refused(room: Room, move: BeginMove) -> None:
     room.reading = replace(room.reading, tcp_force_n=np.array([0.0, 31.0, 0.0]))
     for _ in range(30):
@@ -235,6 +237,7 @@ def test_refused_tcp_stops_the_script_that_was_needed_to_read_it(room: Room, mov
     assert room.orders == ["control", "stop", "give up"]
 
 
+@pytest.mark.hazard("H20")
 def test_watchdog_is_fed_once_for_each_new_live_heartbeat_and_by_nothing_else(room: Room, move: BeginMove) -> None:
     begin(room, move)
     before = room.orders.count("feed")
@@ -358,6 +361,7 @@ def test_release_that_the_controller_does_not_heed_holds_the_guard(room: Room, m
     assert room.guard.phase is Phase.HELD
 
 
+@pytest.mark.hazard("H24")
 def test_motion_whose_intent_cannot_be_written_does_not_go_out(room: Room, move: BeginMove, tmp_path: Path) -> None:
     assert room.journal.flush(5.0)  # all before it was written
     (tmp_path / EVENTS_FILE).unlink()

@@ -68,6 +68,7 @@ def test_release_stops_the_arm_and_leaves_the_guard_idle(bench) -> None:
     bench.stays_at_rest()
 
 
+@pytest.mark.hazard("H16")
 def test_silence_stops_the_arm_after_two_hundred_milliseconds_and_holds_the_guard(bench) -> None:
     bench.move()
     bench.silent = True
@@ -80,6 +81,7 @@ def test_silence_stops_the_arm_after_two_hundred_milliseconds_and_holds_the_guar
     assert bench.status.phase is Phase.HELD
 
 
+@pytest.mark.hazard("H36")
 def test_heartbeats_that_come_a_second_late_are_silence(bench) -> None:
     bench.move()
     bench.delay_s = 1.0
@@ -119,6 +121,7 @@ def test_line_that_nobody_understands_stops_the_arm(bench) -> None:
     assert bench.told(MotionEnded).cause is EndCause.STOPPED
 
 
+@pytest.mark.hazard("H18")
 @pytest.mark.parametrize(
     ("fault", "cause"),
     [
@@ -139,6 +142,7 @@ def test_safety_stop_ends_the_motion_for_good(bench, fault: Fault, cause: EndCau
     bench.stays_at_rest()
 
 
+@pytest.mark.hazard("H21")
 @pytest.mark.parametrize("fault", [Fault.VALUES_FREEZE, Fault.TIMESTAMP_STOPS, Fault.VALUES_NAN, Fault.PACKETS_STOP])
 def test_feedback_that_lies_or_fails_ends_the_motion(bench, fault: Fault) -> None:
     bench.move()
@@ -209,6 +213,7 @@ def test_program_stopped_at_the_pendant_is_lost_control(bench) -> None:
     bench.stays_at_rest()
 
 
+@pytest.mark.hazard("H14")
 def test_permit_moves_the_arm_once(bench) -> None:
     bench.hold("permit-1")
     order = bench.order(step_mm=3.0)

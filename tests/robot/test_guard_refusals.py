@@ -38,23 +38,27 @@ def refused(bench, order: BeginMove, code: RefusalCode) -> MoveRefused:
     return answer
 
 
+@pytest.mark.hazard("H13")
 def test_motion_without_any_heartbeat_is_refused_without_a_packet(bench) -> None:
     newest = bench.controller.wire()[-1].number
     refused(bench, bench.order(), RefusalCode.NO_LIVE_HEARTBEAT)
     assert bench.controller.wire(newest) == ()
 
 
+@pytest.mark.hazard("H13")
 def test_motion_under_another_permit_than_the_held_one_is_refused(bench) -> None:
     bench.hold("permit-1")
     refused(bench, bench.order("permit-b"), RefusalCode.NO_LIVE_HEARTBEAT)
 
 
+@pytest.mark.hazard("H13")
 def test_motion_under_a_hold_that_was_let_go_is_refused(bench) -> None:
     bench.hold("permit-1")
     bench.client.heartbeat(Heartbeat("permit-1", 10_000, bench.status.challenge, False))
     refused(bench, bench.order(), RefusalCode.NO_LIVE_HEARTBEAT)
 
 
+@pytest.mark.hazard("H10")
 def test_wrong_tcp_is_refused_with_how_far_it_is(bench) -> None:
     tcp = np.eye(4)
     tcp[2, 3] = 0.3
@@ -66,6 +70,7 @@ def test_wrong_tcp_is_refused_with_how_far_it_is(bench) -> None:
     assert bench.status.phase is Phase.IDLE
 
 
+@pytest.mark.hazard("H10")
 def test_wrong_payload_is_refused(bench) -> None:
     bench.controller.set_payload(Payload(mass_kg=1.2))
     bench.hold("permit-1")
@@ -87,6 +92,7 @@ def test_motion_faster_than_the_cap_is_refused(bench) -> None:
     refused(bench, bench.order(speed_mm_s=21.0), RefusalCode.SPEED_ABOVE_CAP)
 
 
+@pytest.mark.hazard("H18")
 def test_guard_that_was_stopped_refuses_until_acknowledged(bench) -> None:
     bench.client.stop("asked")
     bench.told(StopSent)
@@ -112,6 +118,7 @@ def test_script_that_never_runs_is_refused(bench) -> None:
     refused(bench, bench.order(), RefusalCode.CONTROLLER_REFUSED)
 
 
+@pytest.mark.hazard("H18")
 @pytest.mark.parametrize("planted", [Planted.PROTECTIVE_STOP, Planted.ROBOT_EMERGENCY_STOP])
 def test_stop_of_the_arm_without_a_motion_is_a_fault_and_holds_the_guard(bench, planted: Planted) -> None:
     bench.controller.inject(planted)
@@ -149,6 +156,7 @@ def test_lost_feedback_is_a_fault_the_age_grows_and_the_link_comes_back(bench) -
     assert bench.client.status_age_s < 0.5
 
 
+@pytest.mark.hazard("H04")
 def test_jog_from_the_pendant_is_told_as_disturbed(bench) -> None:
     bench.controller.jog_linear(np.array([0.0, 0.0, 1.0]), 5.0)
     bench.told(Disturbed)

@@ -1,5 +1,6 @@
 """Heartbeats as pure logic: numbers, challenges, and a clock that is passed in."""
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -25,6 +26,7 @@ def test_hold_is_live_up_to_the_limit_and_silent_beyond_it() -> None:
     assert not monitor.is_live("p", 10.0 + SILENCE_S + 1e-6)
 
 
+@pytest.mark.hazard("H36")
 @given(delay_s=st.floats(0.0, 3.0), period_s=st.floats(0.01, 0.1), count=st.integers(5, 40))
 def test_steady_traffic_that_is_late_counts_for_as_old_as_it_is(delay_s: float, period_s: float, count: int) -> None:
     monitor = HeartbeatMonitor()
@@ -45,6 +47,7 @@ def test_a_number_that_is_not_the_newest_is_no_sign_of_life(order: list[int]) ->
         newest = max(newest, number)
 
 
+@pytest.mark.hazard("H36")
 def test_repeated_heartbeats_do_not_prolong_a_hold() -> None:
     monitor = HeartbeatMonitor()
     challenge = monitor.issue(0.0)

@@ -44,6 +44,7 @@ def test_flush_tells_that_something_was_not_written(tmp_path: Path) -> None:
     journal.close()
 
 
+@pytest.mark.hazard("H24")
 def test_full_disk_is_told(tmp_path: Path) -> None:
     (tmp_path / EVENTS_FILE).symlink_to("/dev/full")
     journal = Journal(tmp_path)

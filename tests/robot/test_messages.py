@@ -72,6 +72,7 @@ def test_every_event_is_covered_above(reading: ArmState) -> None:
     assert {type(event) for event in events(reading)} == set(Event.__args__)
 
 
+@pytest.mark.hazard("H31")
 @given(line=st.binary(max_size=60) | st.text(max_size=60).map(str.encode))
 def test_noise_is_no_message(line: bytes) -> None:
     with pytest.raises(MessageError):

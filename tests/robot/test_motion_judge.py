@@ -87,6 +87,7 @@ def test_reduced_mode_ends_nothing(judge: MotionJudge, at: At) -> None:
     assert judge.judge(at(0.1, x_mm=1.0, speed_mm_s=10.0, safety=SafetyState.REDUCED)) is None
 
 
+@pytest.mark.hazard("H12")
 @pytest.mark.parametrize("fast", [{"speed_mm_s": 26.0}, {"speed_mm_s": 10.0, "tcp_turn_speed_rad_s": 0.12}])
 def test_three_readings_above_a_cap_end_the_motion(judge: MotionJudge, at: At, fast: dict[str, float]) -> None:
     causes = [judge.judge(at(0.1 + index * CYCLE_S, x_mm=1.0 + index, **fast)) for index in range(3)]
@@ -107,6 +108,7 @@ def after(at: At, count: int, **changes: object) -> Iterator[ArmState]:
         yield at(time_s, x_mm=10.0 * time_s, speed_mm_s=10.0, **(changes if index > 12 else {}))
 
 
+@pytest.mark.hazard("H12")
 @pytest.mark.parametrize("force_n", [[31.0, 0.0, 0.0], [0.0, 0.0, -31.0], [18.0, 18.0, 18.0]])
 def test_force_that_rises_ends_the_motion_within_three_readings(judge: MotionJudge, at: At, force_n: list) -> None:
     cause, time_s = verdict(judge, after(at, 3, tcp_force_n=np.array(force_n)))
@@ -126,11 +128,13 @@ def test_spike_of_two_readings_is_no_force(judge: MotionJudge, at: At) -> None:
     assert judge.judge(at(0.2, x_mm=2.0, speed_mm_s=10.0)) is None
 
 
+@pytest.mark.hazard("H10")
 @pytest.mark.parametrize("change", [{"payload_kg": 1.1}, {"payload_centre_mm": np.array([0.0, 0.0, 56.0])}])
 def test_payload_that_changes_amid_the_motion_ends_it(judge: MotionJudge, at: At, change: dict[str, Any]) -> None:
     assert verdict(judge, after(at, 1, **change))[0] is EndCause.PAYLOAD_CHANGED
 
 
+@pytest.mark.hazard("H10")
 @pytest.mark.parametrize(("tcp_mm", "cause"), [(0.1, EndCause.TCP_CHANGED), (5.0, EndCause.TCP_CHANGED), (0.04, None)])
 def test_pose_that_leaps_without_the_joints_is_another_tcp(
     judge: MotionJudge, at: At, tcp_mm: float, cause: EndCause | None
@@ -208,6 +212,7 @@ def test_arm_that_differs_from_the_permit_may_not_move(
     assert refusal.code is code
 
 
+@pytest.mark.hazard("H04")
 @pytest.mark.parametrize(("joint", "step_rad"), [(0, 2e-4), (5, 5e-4), (5, 2 * np.pi), (4, -4e-4)])
 def test_joints_other_than_the_permits_are_refused(
     move: BeginMove, reading: ArmState, joint: int, step_rad: float

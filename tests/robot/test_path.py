@@ -72,6 +72,7 @@ def test_windings_of_the_start_are_kept() -> None:
     assert path.joints_rad[-1] == pytest.approx(wound, abs=0.1)
 
 
+@pytest.mark.hazard("H11")
 def test_goal_out_of_reach_is_refused_with_the_sample_where_the_arm_ends() -> None:
     limits = replace(LIMITS, length_mm=600.0)
     refusal = refused(planned(moved(PARKED, [-500.0, 0.0, 0.0]), limits), RefusalCode.GOAL_UNREACHABLE)
@@ -80,6 +81,7 @@ def test_goal_out_of_reach_is_refused_with_the_sample_where_the_arm_ends() -> No
     assert refusal.measured == pytest.approx(refusal.limit, abs=40.0)  # mm: the reach depends on the wrist
 
 
+@pytest.mark.hazard("H11")
 def test_line_through_the_wrist_singularity_is_refused_by_its_name() -> None:
     before, after = PARKED_RAD.copy(), PARKED_RAD.copy()
     before[4], after[4] = np.deg2rad([-20.0, 20.0])
@@ -91,6 +93,7 @@ def test_line_through_the_wrist_singularity_is_refused_by_its_name() -> None:
     assert refusal.measured < LIMITS.smallest_singular_value
 
 
+@pytest.mark.hazard("H11")
 def test_joint_that_ends_too_near_its_limit_is_refused_and_named() -> None:
     wound = PARKED_RAD.copy()
     wound[5] = 2 * np.pi - np.deg2rad(10.0)

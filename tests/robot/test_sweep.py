@@ -64,6 +64,7 @@ def way(goal: np.ndarray, room: RoomShapes, leaving: bool = False) -> Path | Ref
     return plan_path(Way(JOINTS_RAD, START, goal, leaving), TOOL, room, PathLimits())
 
 
+@pytest.mark.hazard("H12")
 def test_obstacle_on_any_segment_is_no_plan_and_the_refusal_says_which_what_and_how_near() -> None:
     goal = ahead([0.0, 0.0, -100.0])
     samples = sample_line(line_between(START, goal))
@@ -161,6 +162,7 @@ def test_clearance_is_a_lower_bound_of_a_much_finer_sweep(
             assert bound_mm >= true_mm - 8.0  # and no wild guess: 2 mm and 0.5 deg apart
 
 
+@pytest.mark.hazard("H12")
 def test_thing_that_is_passed_exactly_between_two_samples_is_seen() -> None:
     goal = ahead([40.0, 0.0, 0.0])
     samples = sample_line(line_between(START, goal))
@@ -215,6 +217,7 @@ def test_body_of_rods_covers_the_whole_surface_of_the_guide_and_hardly_more() ->
 ROOM = (DEVICES / "room.toml").read_text()
 
 
+@pytest.mark.hazard("H09")
 @pytest.mark.parametrize(
     ("before", "after", "named"),
     [

@@ -49,6 +49,7 @@ def test_tolerances_and_expiry_may_be_left_out() -> None:
     assert tool.tcp_tolerance_mm == 0.05
 
 
+@pytest.mark.hazard("H09")
 @pytest.mark.parametrize(
     ("before", "after", "named"),
     [

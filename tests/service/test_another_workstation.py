@@ -65,6 +65,7 @@ def controller():
         yield process
 
 
+@pytest.mark.hazard("H19")
 def test_a_service_does_not_start_on_an_arm_that_another_one_runs(controller, monkeypatch):
     monkeypatch.setattr(arm_claim, "_FREED_WITHIN_S", 0.3)
     other = ArmClaim(controller.address)

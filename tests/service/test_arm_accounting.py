@@ -40,6 +40,7 @@ def _ended(cause: EndCause) -> MotionEnded:
     return MotionEnded("p", cause, 1.0, True, True, 0.02, 1e-4, _at(0.0), None, "f", 10)
 
 
+@pytest.mark.hazard("H04")
 def test_a_commanded_motion_is_accounted_for_and_a_push_before_and_after_it_is_not() -> None:
     ledger = DisplacementLedger()
     ledger.observe(_at(0.0))
@@ -69,6 +70,7 @@ def test_after_a_motion_that_ended_unseen_nothing_can_be_told_of_an_earlier_expo
     assert ledger.since(baseline, _at(0.0)) is None
 
 
+@pytest.mark.hazard("H04")
 def test_an_arm_that_moved_and_came_back_during_an_exposure_has_moved() -> None:
     exposures, ledger = Exposures(), DisplacementLedger()
     exposures.open("w", _at(0.0), ledger.begin_stretch(_at(0.0)))

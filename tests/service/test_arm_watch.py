@@ -78,6 +78,7 @@ def test_a_commanded_motion_is_accounted_for_and_a_push_beside_it_is_not(watch):
     assert watch.unaccounted("image").offset_mm == pytest.approx(0.2)
 
 
+@pytest.mark.hazard("H04")
 def test_a_guard_that_dies_amid_a_motion_leaves_the_displacement_unknown_until_the_next_exposure(watch):
     watch.started(0.0)
     watch.take(Fault(FaultKind.GUARD_LOST, 0.0, "the guard died"))

@@ -50,6 +50,7 @@ def arrive(database, users):
     return one
 
 
+@pytest.mark.hazard("H02")
 def test_an_old_image_that_was_refused_lets_no_other_old_one_in_behind_it(arrive):
     assert arrive("100300") is True
     assert arrive("100100", use=ImageUse.QUARANTINED) is False

@@ -53,6 +53,7 @@ def _upload(client, files, first_lines) -> None:
         assert client.post(f"/devices/{kind}", content=first_lines + text).status_code == 201
 
 
+@pytest.mark.hazard("H14")
 def test_eight_equal_posts_open_one_case(surgeon, opened):
     assert [case["id"] for case in surgeon.get("/cases").json()] == [opened.json()["id"]]
 

@@ -61,6 +61,7 @@ def test_every_request_and_fact_of_the_table_has_a_route() -> None:
     assert missing == []
 
 
+@pytest.mark.hazard("H27")
 def test_a_stranger_can_neither_command_nor_stop(running, case) -> None:
     for path in (f"/cases/{case.id}/carm-position-confirmed", "/stop", f"/cases/{case.id}/emergency-access"):
         answer = httpx.post(f"{running.url}/api{path}", json={})
@@ -89,6 +90,7 @@ def test_a_stale_version_is_refused_remembered_and_changes_nothing(case) -> None
     assert case.attempts()[0]["code"] == "version_stale"
 
 
+@pytest.mark.hazard("H14")
 def test_equal_posts_have_one_effect_and_one_answer(case) -> None:
     headers, path = _headers(case), f"/cases/{case.id}/hold-requested"
     with ThreadPoolExecutor(8) as pool:
@@ -121,6 +123,7 @@ def test_an_unknown_case_is_not_found_and_the_attempt_is_remembered(case) -> Non
     assert case.room.get_list("/interlocks")[0]["code"] == "case_unknown"
 
 
+@pytest.mark.hazard("H09")
 @pytest.mark.parametrize("number", ["NaN", "Infinity", "1e9"])
 def test_a_number_that_is_none_or_implausible_is_refused_by_its_field(case, number) -> None:
     body = f'{{"image_id": "x", "pixel_px": [{number}, 5], "space": "raw"}}'
@@ -159,6 +162,7 @@ def test_every_verdict_of_a_refused_request_is_in_the_record(case) -> None:
     assert [one["code"] for one in attempt["verdicts"]] == [one["code"] for one in refused.verdicts]
 
 
+@pytest.mark.hazard("H15")
 def test_a_plan_needs_the_lease_and_the_newest_one(case, sign_in) -> None:
     goal = {"translation_mm": [300.0, 0.0, 400.0]}
     assert _refusal(lambda: case.plan("approach", base_from_goal=goal)).code == "lease_missing"
@@ -169,6 +173,7 @@ def test_a_plan_needs_the_lease_and_the_newest_one(case, sign_in) -> None:
     assert _refusal(lambda: case.plan("approach", base_from_goal=goal)).code == "lease_lost"
 
 
+@pytest.mark.hazard("H13")
 def test_a_wrong_pin_approves_nothing(case) -> None:
     case.take_lease("start")
     refused = _refusal(lambda: case.command("move-approved", plan_id="p", pin="9999"))
@@ -199,6 +204,7 @@ def test_the_stream_goes_on_behind_the_last_event_that_was_seen(case) -> None:
     assert (event["sequence"], event["data"]["text"]) == (seen + 1, "two")
 
 
+@pytest.mark.hazard("H13")
 def test_a_hold_without_a_permit_is_refused_with_every_verdict(case) -> None:
     case.take_lease("start")
     case.command("guide-state-stated", guide="empty")
@@ -209,6 +215,7 @@ def test_a_hold_without_a_permit_is_refused_with_every_verdict(case) -> None:
     assert {"permit_current", "hold_pressed"} <= refused
 
 
+@pytest.mark.hazard("H27")
 def test_a_hold_from_another_site_is_refused(running, case) -> None:
     from websockets.exceptions import InvalidStatus
     from websockets.sync.client import connect
@@ -250,6 +257,7 @@ def test_a_locked_session_may_stop_and_nothing_else(case, sign_in) -> None:
         assert operator.stop()["recorded"] is True
 
 
+@pytest.mark.hazard("H32")
 def test_a_stop_does_not_wait_for_the_database_and_is_recorded_when_it_is_free(running, case) -> None:
     locked, free = threading.Event(), threading.Event()
 

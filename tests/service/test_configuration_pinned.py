@@ -49,6 +49,7 @@ def _other_device_bytes(_monkeypatch, settings, databases):
         attacker.execute("UPDATE device_files SET content = ? WHERE kind = 'tcp'", [content + b"\n"])
 
 
+@pytest.mark.hazard("H30")
 @pytest.mark.parametrize("change", [_other_program, _other_settings, _other_device_bytes])
 def test_after_a_change_the_case_goes_no_further_but_can_be_ended(left_open, serving, monkeypatch, databases, change):
     settings = change(monkeypatch, left_open, databases) or left_open

@@ -38,6 +38,7 @@ def test_without_a_lease_nobody_has_control(database, holders):
     assert _check(database, holders[0], None) == ErrorCode.LEASE_MISSING
 
 
+@pytest.mark.hazard("H15")
 def test_a_take_over_fences_the_old_token_out_even_for_the_same_person(database, holders):
     first, second = holders
     with database.write() as connection:
@@ -59,6 +60,7 @@ def test_the_same_tablet_taking_again_makes_its_old_token_void(database, holders
     assert _check(database, holders[0], old.fencing_token) == ErrorCode.LEASE_LOST
 
 
+@pytest.mark.hazard("H15")
 def test_tokens_taken_at_once_are_all_different(database, holders):
     tokens = []
 

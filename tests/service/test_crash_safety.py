@@ -30,6 +30,7 @@ while True:
 """
 
 
+@pytest.mark.hazard("H25")
 @pytest.mark.parametrize("seed", range(_KILLS))
 def test_no_acknowledged_event_is_lost_and_none_is_half_there(database, users, seed):
     surgeon = users.add("anna", Role.SURGEON, "correct horse", "2468")

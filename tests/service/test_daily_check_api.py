@@ -28,6 +28,7 @@ def test_without_an_arm_the_check_fails_at_once_and_is_recorded(engineer):
     assert engineer.get("/status").json()["daily_check"]["failed"] == ["arm_reachable"]
 
 
+@pytest.mark.hazard("H10")
 def test_a_file_that_has_expired_fails_by_its_kind(engineer, device_files):
     old = device_files["tcp"].replace('version = "1"', 'version = "0"\nexpires = 2020-01-31')
     engineer.post("/devices/tcp", content=old)

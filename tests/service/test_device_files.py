@@ -30,6 +30,7 @@ def test_the_same_bytes_again_are_the_same_device(engineer, device_files):
     assert again == first
 
 
+@pytest.mark.hazard("H10")
 def test_other_bytes_under_a_stored_version_are_refused(engineer, device_files):
     engineer.post("/devices/guide", content=device_files["guide"])
     changed = device_files["guide"].replace("radius = 30.0", "radius = 30.1")
@@ -39,6 +40,7 @@ def test_other_bytes_under_a_stored_version_are_refused(engineer, device_files):
     assert newer.status_code == 201
 
 
+@pytest.mark.hazard("H09")
 @pytest.mark.parametrize(
     ("kind", "before", "after", "named"),
     [

@@ -98,6 +98,7 @@ def test_success_means_that_the_bytes_are_stored(receive, make_xray):
     assert kept.PixelData == sent.PixelData
 
 
+@pytest.mark.hazard("H02")
 def test_the_same_image_again_is_stored_counted_and_called_a_duplicate(receive, make_xray):
     room = receive()
     content = make_xray()
@@ -108,6 +109,7 @@ def test_the_same_image_again_is_stored_counted_and_called_a_duplicate(receive, 
     assert len(room.arrived) == 2
 
 
+@pytest.mark.hazard("H02")
 def test_the_same_pixels_under_a_new_identity_are_a_duplicate(receive, make_xray):
     room = receive()
     room.send(make_xray(seed=1))
@@ -119,6 +121,7 @@ def test_the_same_pixels_under_a_new_identity_are_a_duplicate(receive, make_xray
     assert other.duplicate_of is None
 
 
+@pytest.mark.hazard("H31")
 @pytest.mark.parametrize(
     ("elements", "code"),
     [
@@ -149,6 +152,7 @@ def test_a_data_set_cut_in_the_middle_is_kept_and_refused(receive, make_xray, tm
     assert image.problem["code"] == status.ErrorComment
 
 
+@pytest.mark.hazard("H31")
 def test_an_image_over_the_byte_limit_is_cut_off_before_it_is_whole(receive, make_xray):
     room = receive()
     sent = room.send(make_xray(rows=1000, columns=1000))  # 2 MB against 0.3 MB
@@ -184,6 +188,7 @@ def test_where_no_caller_is_named_nobody_comes_in_and_the_log_says_what_to_set(r
     assert room.images() == []
 
 
+@pytest.mark.hazard("H31")
 def test_noise_on_the_port_is_borne(receive, make_xray):
     room = receive()
     for noise in (b"GET / HTTP/1.1\r\n\r\n", b"\x01\x00\xff\xff\xff\xff", bytes(4096)):
@@ -219,6 +224,7 @@ def test_a_failing_listener_does_not_make_a_stored_image_fail(database, storescu
     assert len(arrived) == 1
 
 
+@pytest.mark.hazard("H24")
 @pytest.mark.sqlite
 def test_bytes_that_cannot_be_committed_are_answered_with_failure(receive, make_xray):
     room = receive()

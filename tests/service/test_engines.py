@@ -33,6 +33,7 @@ def test_200_contested_increments_lose_none(database):
         assert connection.execute(sa.select(tables.room_claims.c.holder)).scalar_one() == "200"
 
 
+@pytest.mark.hazard("H25")
 @pytest.mark.sqlite
 @pytest.mark.parametrize("engine", ["writer", "reader"])
 def test_every_connection_is_durable(database, engine):
@@ -45,6 +46,7 @@ def test_every_connection_is_durable(database, engine):
         connection.close()
 
 
+@pytest.mark.hazard("H25")
 def test_a_database_that_cannot_do_wal_is_refused():
     with pytest.raises(ServiceError, match="journal_mode") as refusal:
         open_database("sqlite://")
@@ -90,6 +92,7 @@ def test_a_folder_that_is_no_database_is_a_typed_fault(tmp_path):
     assert refusal.value.code == ErrorCode.DATABASE_FAULT
 
 
+@pytest.mark.hazard("H24")
 @pytest.mark.sqlite
 def test_a_full_disk_is_a_typed_fault_and_the_rest_stays(database):
     """`max_page_count` makes SQLite answer SQLITE_FULL, as a full disk does."""

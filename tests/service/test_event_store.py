@@ -100,6 +100,7 @@ def test_an_artefact_that_cannot_be_stored_takes_its_event_with_it(database, cas
     assert [(one.id, one.sequence, one.made_from, one.content) for one in stored] == [("t1", 2, ("r1",), {"u": 1.0})]
 
 
+@pytest.mark.hazard("H14")
 def test_a_permit_is_used_once(database, case, surgeon):
     permit = NewArtefact(ArtefactKind.PERMIT, "p1", (), {}, {"approved_by": surgeon.id})
     use = NewArtefact(ArtefactKind.PERMIT_USE, "p1", ("p1",), {}, {})
@@ -125,6 +126,7 @@ def test_a_number_that_is_not_finite_is_kept_as_text(database, case):
         assert store.newest_event(connection, "case-1").data == {"rms": "nan", "list": ["-inf", 1.5]}
 
 
+@pytest.mark.hazard("H14")
 def test_64_equal_requests_have_one_effect_and_one_answer(database, case):
     meant = intent_of("anna", "key-1", "POST", "/x", b"{}")
     answers = []

@@ -80,6 +80,7 @@ def test_a_note_on_a_closed_case_takes_no_other_cases_place(conductor) -> None:
     assert conductor.live.state is State.INSERTING
 
 
+@pytest.mark.hazard("H29")
 @pytest.mark.parametrize("state", [State.SAFE_HOLD, State.INSERTING, State.CLOSED])
 def test_the_guard_is_locked_whatever_leads_into_a_locked_state(conductor, state) -> None:
     conductor._follow(_taken(6, State.CASE_OPEN, state))

@@ -37,6 +37,7 @@ def test_who_has_control_may_hold(goal_of) -> None:
     assert goal_of("holder", 2) == "goal"
 
 
+@pytest.mark.hazard("H15")
 @pytest.mark.parametrize(("session_id", "control_token"), [("another", 2), ("holder", 1), ("holder", None)])
 def test_a_hand_without_control_is_refused_before_its_first_heartbeat(goal_of, session_id, control_token) -> None:
     with pytest.raises(ServiceError) as caught:

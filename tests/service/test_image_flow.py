@@ -25,6 +25,7 @@ async def _until(work: Any, enough: asyncio.Event) -> None:
     task.cancel()
 
 
+@pytest.mark.hazard("H31")
 def test_an_image_that_breaks_its_taking_in_shuts_out_none_behind_it(monkeypatch: pytest.MonkeyPatch) -> None:
     taken: list[str] = []
 

@@ -97,6 +97,7 @@ def test_a_picture_waits_for_a_statement_and_then_arrives_as_any_image(surgeon, 
     assert event["user_id"] == event["data"]["identity_by_statement"]["user_id"]
 
 
+@pytest.mark.hazard("H01")
 def test_a_statement_about_another_patient_quarantines_the_image(surgeon, case) -> None:
     uploaded = surgeon.upload_image("image/png", _picture(_grey(51)))
     case.command("image-identity-stated", image_id=uploaded["id"], patient_id="P2")
@@ -104,6 +105,7 @@ def test_a_statement_about_another_patient_quarantines_the_image(surgeon, case) 
     assert surgeon.image(uploaded["id"])["purpose"] == "quarantined"
 
 
+@pytest.mark.hazard("H02")
 def test_pixels_that_came_before_are_quarantined_whatever_file_they_come_in(surgeon, case, make_xray) -> None:
     pixels = _grey(52)
     surgeon.upload_image("application/dicom", make_xray(rows=256, columns=300, PixelData=pixels.tobytes()))

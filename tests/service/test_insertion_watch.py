@@ -47,6 +47,7 @@ def test_it_looks_at_least_ten_times_a_second():
     assert watched.alarms == 0
 
 
+@pytest.mark.hazard("H29")
 @pytest.mark.parametrize("drift", [Displacement(0.3001, 0.0), Displacement(0.0, math.radians(0.1001))])
 @pytest.mark.parametrize("state", [State.INSERTING, State.SLEEVE_INSERTED])
 def test_drift_beyond_a_limit_alarms_once(drift, state):

@@ -84,6 +84,7 @@ def test_a_motion_refused_because_the_arm_moves_did_not_end_at_rest(hear, tmp_pa
     assert facts.at_rest is False
 
 
+@pytest.mark.hazard("H29")
 def test_a_push_while_a_sleeve_is_in_is_told_where_no_drift_is_watched(hear, tmp_path) -> None:
     """After a restart nobody knows where the arm stood when it was verified."""
     pushed = Disturbed(0.0, 2.0, 0.0)

@@ -70,6 +70,7 @@ def _requests() -> list[tuple[str, str]]:
     return [(name.split()[0], name.split()[1]) for name in sorted(_routes()) if not name.startswith("WEBSOCKET")]
 
 
+@pytest.mark.hazard("H27")
 @pytest.mark.parametrize(("method", "path"), _requests(), ids=lambda value: value)
 def test_a_stranger_is_refused_at_every_route(running, method, path):
     if f"{method} {path}" in _OPEN:
@@ -80,6 +81,7 @@ def test_a_stranger_is_refused_at_every_route(running, method, path):
     assert response.json()["code"] == "not_signed_in"
 
 
+@pytest.mark.hazard("H27")
 @pytest.mark.parametrize(("method", "path"), _requests(), ids=lambda value: value)
 def test_a_role_without_the_permission_is_refused_and_one_with_it_is_not(running, method, path):
     permissions = _PERMISSIONS[f"{method} {path}"]

@@ -51,6 +51,7 @@ def test_an_address_that_leads_nowhere(running, method, path, status, code):
     assert (problem["status"], problem["code"]) == (status, code)
 
 
+@pytest.mark.hazard("H09")
 @pytest.mark.parametrize(
     "body",
     [
@@ -82,6 +83,7 @@ def test_a_body_that_is_no_case(running, body):
     assert problem["fields"]
 
 
+@pytest.mark.hazard("H31")
 def test_json_nested_too_deeply_is_refused(running):
     with running.client() as client:
         response = client.post("/cases", content=b"[" * 100_000, headers={"Content-Type": "application/json"})
@@ -93,6 +95,7 @@ def test_a_command_without_a_key_is_refused(running):
         assert _problem(client.post("/cases", json=_CASE))["code"] == "idempotency_key_missing"
 
 
+@pytest.mark.hazard("H31")
 def test_a_body_over_the_limit_is_refused_declared_or_not(running):
     def chunks():
         for _ in range(5):
@@ -105,6 +108,7 @@ def test_a_body_over_the_limit_is_refused_declared_or_not(running):
     assert declared["limit"] == counted["limit"] == 4_000_000
 
 
+@pytest.mark.hazard("H31")
 def test_a_liar_about_the_length_does_not_hang_the_service(running):
     address = urlsplit(running.url)
     with socket.create_connection((address.hostname, address.port)) as peer:

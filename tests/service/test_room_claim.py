@@ -33,6 +33,7 @@ def other_service(database):
         process.kill()
 
 
+@pytest.mark.hazard("H19")
 def test_a_second_service_is_refused_and_told_who_has_the_room(database, other_service):
     with ExitStack() as stack, pytest.raises(ServiceError) as refusal:
         stack.enter_context(room_claim(database, "room-1"))
@@ -47,6 +48,7 @@ def test_a_killed_service_gives_the_room_up_at_once(database, other_service):
         pass
 
 
+@pytest.mark.hazard("H19")
 def test_a_stopped_service_keeps_its_room_however_long(database, other_service):
     os.kill(other_service.pid, signal.SIGSTOP)
     with ExitStack() as stack, pytest.raises(ServiceError):

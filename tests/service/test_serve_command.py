@@ -95,6 +95,7 @@ def test_after_a_kill_the_next_service_starts_at_once_with_sessions_and_records(
     assert actions == ["ledger_begun", "user_added", "signed_in", "log_read"]
 
 
+@pytest.mark.hazard("H25")
 def test_no_image_that_was_answered_with_success_is_lost_by_a_kill(folder, storescu, make_xray, tmp_path):
     file = tmp_path / "image.dcm"
     file.write_bytes(make_xray(rows=512, columns=512))

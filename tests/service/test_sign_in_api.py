@@ -29,6 +29,7 @@ def test_nobody_is_signed_in_without_a_token(running):
             assert _code(response) == "not_signed_in"
 
 
+@pytest.mark.hazard("H27")
 def test_a_made_up_token_is_nobody(running):
     with running.client(None) as client:
         response = client.get("/session", headers={"Authorization": "Bearer " + "x" * 43})
@@ -56,6 +57,7 @@ def test_a_wrong_password_and_an_unknown_name_answer_alike(running):
     assert wrong.json() == unknown.json()
 
 
+@pytest.mark.hazard("H27")
 @pytest.mark.parametrize("origin", ["https://evil.example", "null", "http://127.0.0.1:1"])
 def test_what_another_sites_page_posts_is_refused(browser, origin):
     response = browser.post("/session/lock", headers={"Origin": origin})
@@ -64,6 +66,7 @@ def test_what_another_sites_page_posts_is_refused(browser, origin):
     assert browser.get("/session").json()["status"] == "active"
 
 
+@pytest.mark.hazard("H27")
 def test_another_site_cannot_sign_a_browser_in(running):
     with running.client(None) as client:
         credentials = {"name": "surgeon", "password": _PASSWORD}
@@ -84,6 +87,7 @@ def test_a_locked_session_can_only_be_unlocked_with_its_pin(browser):
     assert browser.get("/cases").status_code == 200
 
 
+@pytest.mark.hazard("H27")
 def test_after_signing_out_the_token_is_worth_nothing(running):
     with running.client(None) as client:
         token = client.post("/session", json={"name": "surgeon", "password": _PASSWORD}).json()["token"]

@@ -73,6 +73,7 @@ def test_a_name_is_taken_once(users, anna):
     assert _code(users.add, "anna", Role.AUDITOR, "correct horse", "2468") == ErrorCode.USER_EXISTS
 
 
+@pytest.mark.hazard("H27")
 def test_neither_password_nor_pin_nor_token_is_in_the_database(database, users, anna, sessions, tmp_path):
     token, _ = sessions.create(anna)
     with database.read() as connection:
@@ -93,6 +94,7 @@ def test_password_and_pin_are_checked(proofs, sessions, anna):
     assert _code(proofs.confirm_pin, session, "1357") == ErrorCode.PIN_REFUSED
 
 
+@pytest.mark.hazard("H27")
 def test_the_last_wrong_answer_locks_out_the_right_one_too_until_the_time_is_over(proofs, anna, clock):
     codes = [_code(proofs.sign_in, "anna", "wrong") for _ in range(3)]
     assert codes == [ErrorCode.SIGN_IN_REFUSED] * 3
@@ -179,6 +181,7 @@ def test_sessions_outlive_the_service_and_so_does_the_stop(database, sessions, a
     assert restarted.remembered(token) == session
 
 
+@pytest.mark.hazard("H27")
 def test_a_disabled_user_is_out_at_once(users, sessions, proofs, anna):
     token, session = sessions.create(anna)
     users.disable("anna")

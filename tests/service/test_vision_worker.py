@@ -77,6 +77,7 @@ def test_a_job_over_its_deadline_is_killed_and_the_next_one_works(run):
         os.kill(before, 0)
 
 
+@pytest.mark.hazard("H32")
 def test_a_greedy_job_is_refused_and_the_process_goes_on(run):
     async def trial(worker):
         first = (await worker.run("pid"))["pid"]
@@ -103,6 +104,7 @@ def test_a_process_that_was_killed_while_idle_is_replaced(run):
     assert "pid" in run(trial)
 
 
+@pytest.mark.hazard("H32")
 def test_the_event_loop_goes_on_during_a_job(run):
     async def trial(worker):
         await worker.start()

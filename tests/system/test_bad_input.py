@@ -45,16 +45,19 @@ def _failed_of_newest_image(case) -> set[str]:
     return {one["code"] for one in attempts[0]["verdicts"] if not one["passed"]} if attempts else set()
 
 
+@pytest.mark.hazard("H01")
 def test_another_patients_image_enters_no_chain(exposed, until) -> None:
     status = exposed.carm.expose(exposed.source_from_guide, PatientID="P2")
     _arrives_unused(exposed, until, status, 0x0000, "patient_matches")
 
 
+@pytest.mark.hazard("H01")
 def test_an_image_of_another_study_enters_no_chain(exposed, until) -> None:
     status = exposed.carm.expose(exposed.source_from_guide, StudyInstanceUID="1.2.4")
     _arrives_unused(exposed, until, status, 0x0000, "study_matches")
 
 
+@pytest.mark.hazard("H02")
 def test_an_image_that_came_before_enters_no_chain(exposed, until) -> None:
     image = exposed.carm.image(exposed.source_from_guide)
     exposed.carm.send(image)
@@ -65,6 +68,7 @@ def test_an_image_that_came_before_enters_no_chain(exposed, until) -> None:
     _arrives_unused(exposed, until, exposed.carm.send(again), 0x0000, "pixels_unseen")
 
 
+@pytest.mark.hazard("H31")
 def test_an_image_cut_short_is_answered_as_not_understood_and_enters_no_chain(exposed, until) -> None:
     image = exposed.carm.image(exposed.source_from_guide)
     image.PixelData = image.PixelData[:1000]
@@ -94,6 +98,7 @@ def test_an_image_without_a_guide_is_refused_with_what_was_found(exposed, until)
     assert exposed.case.status()["state"] == "carm_positioned"
 
 
+@pytest.mark.hazard("H04")
 def test_an_arm_jogged_after_the_image_voids_it(walk, controller, until) -> None:
     walk.to("registered")
     controller.push(np.array([0.1, 0.0, 0.0]))
@@ -101,6 +106,7 @@ def test_an_arm_jogged_after_the_image_voids_it(walk, controller, until) -> None
     assert "arm_disturbed" in {event["trigger"] for event in walk.case.record()}
 
 
+@pytest.mark.hazard("H08")
 def test_a_target_outside_the_image_in_another_image_or_never_drawn_back_is_refused(walk) -> None:
     status, case = walk.to("registered"), walk.case
     image = status["chain"]["image"]
@@ -113,6 +119,7 @@ def test_a_target_outside_the_image_in_another_image_or_never_drawn_back_is_refu
     assert case.status()["state"] == "registered"
 
 
+@pytest.mark.hazard("H11")
 def test_a_goal_out_of_reach_is_no_plan(case) -> None:
     goal = {"translation_mm": [700.0, 700.0, 700.0], "rotation_vector_deg": [180.0, 0.0, 0.0]}
     refused = _refused(lambda: case.plan("approach", base_from_goal=goal))
@@ -126,6 +133,7 @@ def test_a_goal_out_of_reach_is_no_plan(case) -> None:
     assert case.status()["chain"]["plan"] is None
 
 
+@pytest.mark.hazard("H13")
 def test_a_permit_that_was_never_given_moves_nothing(case, controller) -> None:
     before = controller.state().joints_rad
     _refused(lambda: case.hold("no-such-permit").__enter__())
@@ -154,6 +162,7 @@ def shifted_tcp(case, controller, until):
     set_tcp(right)
 
 
+@pytest.mark.hazard("H10")
 def test_a_grossly_wrong_tcp_is_no_plan(lift, shifted_tcp) -> None:
     shifted_tcp(6.0)
     refused = _refused(lambda: lift(10.0))
@@ -161,6 +170,7 @@ def test_a_grossly_wrong_tcp_is_no_plan(lift, shifted_tcp) -> None:
     assert refused.measured > refused.limit
 
 
+@pytest.mark.hazard("H10")
 def test_a_tcp_that_is_off_by_2_mm_is_refused_by_the_guard_before_anything_moves(
     case, lift, shifted_tcp, controller
 ) -> None:

@@ -98,6 +98,7 @@ def test_two_targets_in_two_views_are_placed_and_told_in_a_table(tmp_path):
     assert _nothing_answers(demo)
 
 
+@pytest.mark.hazard("H05")
 @pytest.mark.timeout(200)
 def test_a_mirrored_image_ends_the_run_with_the_reason(tmp_path):
     with _demo(tmp_path, "--pedicle", "L3-left", "--fault", "mirrored") as demo:

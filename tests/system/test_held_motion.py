@@ -53,6 +53,7 @@ def test_letting_go_stops_the_arm_and_needs_no_acknowledgement(case, held, contr
     assert case.status()["state"] == "case_open"
 
 
+@pytest.mark.hazard("H16")
 def test_silence_stops_the_arm_and_holds_the_case(case, held, controller, until) -> None:
     held.fall_silent()
     assert held.wait(5.0).cause == "heartbeat_lost"
@@ -61,6 +62,7 @@ def test_silence_stops_the_arm_and_holds_the_case(case, held, controller, until)
     assert (status["state"], status["held_for"]) == ("safe_hold", "heartbeat_lost")
 
 
+@pytest.mark.hazard("H20")
 def test_a_frozen_service_is_silence_and_its_return_moves_nothing(case, held, service, controller, until) -> None:
     service.process.send_signal(signal.SIGSTOP)
     _comes_to_rest(controller, until)
@@ -69,6 +71,7 @@ def test_a_frozen_service_is_silence_and_its_return_moves_nothing(case, held, se
     assert case.wait_for("safe_hold")["held_for"] == "heartbeat_lost"
 
 
+@pytest.mark.hazard("H17")
 def test_a_killed_guard_is_replaced_and_the_next_plan_starts_where_the_arm_is(
     case, held, service, controller, until, lift
 ) -> None:
@@ -151,6 +154,7 @@ def test_a_fault_amid_a_motion_is_a_typed_event_and_holds_the_case(
     until(lambda: case.status()["arm"]["connected"], 20.0)
 
 
+@pytest.mark.hazard("H15")
 def test_taking_control_from_a_moving_arm_stops_it_first(case, held, service, controller, until) -> None:
     with service.sign_in() as second:
         second.case(case.id).take_lease("taking over")
@@ -159,12 +163,14 @@ def test_taking_control_from_a_moving_arm_stops_it_first(case, held, service, co
     assert case.status()["state"] == "safe_hold"
 
 
+@pytest.mark.hazard("H35")
 def test_an_instrument_stated_during_a_motion_stops_it(case, held, controller, until) -> None:
     case.command("guide-state-stated", guide="instrument")
     _comes_to_rest(controller, until)
     assert case.status()["state"] == "safe_hold"
 
 
+@pytest.mark.hazard("H18")
 @pytest.mark.parametrize(
     ("fault", "cause"),
     [
@@ -188,6 +194,7 @@ def test_a_stop_of_the_controller_is_latched_until_it_is_released_and_acknowledg
     assert case.command("acknowledged", guide="empty")["state"] == "case_open"
 
 
+@pytest.mark.hazard("H14")
 def test_a_permit_is_good_for_one_motion(case, lift, controller) -> None:
     permit = case.approve(lift(10.0), PIN)
     with case.hold(permit) as hold:
@@ -199,6 +206,7 @@ def test_a_permit_is_good_for_one_motion(case, lift, controller) -> None:
     assert len([one for one in controller.wire() if one.kind == "script"]) == before
 
 
+@pytest.mark.hazard("H13")
 def test_a_button_that_nobody_holds_starts_nothing(case, lift, controller) -> None:
     hold = case.hold(case.approve(lift(10.0), PIN))
     hold.release()

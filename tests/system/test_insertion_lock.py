@@ -40,6 +40,7 @@ def _alarms(case) -> list[dict]:
     return [event for event in case.record() if "alarm" in event["data"].get("effects", ())]
 
 
+@pytest.mark.hazard("H29")
 @pytest.mark.timeout(300)
 def test_inserting_locks_the_arm_watches_it_and_takes_every_fact(walk, controller, until) -> None:
     case = walk.case

@@ -59,6 +59,7 @@ def killable(service, controller, prepared_case):
             client.case(open_case).command("case-aborted", reason="end of the test")
 
 
+@pytest.mark.hazard("H17")
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize("state", _STATES)
 def test_after_a_kill_the_case_is_held_with_its_history_whole(service, controller, killable, carm, lead, state) -> None:
@@ -69,6 +70,7 @@ def test_after_a_kill_the_case_is_held_with_its_history_whole(service, controlle
     assert status["insertion"] == before["insertion"]
 
 
+@pytest.mark.hazard("H17")
 @pytest.mark.timeout(300)
 def test_a_kill_during_a_motion_stops_the_arm_and_the_journal_has_the_rest(service, controller, killable) -> None:
     with lifting(killable, controller, 80.0):

@@ -16,6 +16,7 @@ def _verdict(case, trigger: str, code: str) -> dict:
     return next(verdict for verdict in attempts[0]["verdicts"] if verdict["code"] == code)
 
 
+@pytest.mark.hazard("H03")
 def test_a_carm_that_turned_by_one_degree_after_registration_voids_the_view(walk) -> None:
     walk.to("moved")
     approved = [event for event in walk.case.record() if event["trigger"] == "move_approved"]
@@ -35,6 +36,7 @@ def test_a_carm_that_turned_by_one_degree_after_registration_voids_the_view(walk
     assert [status["chain"][link] for link in ("view", "registration", "verification")] == [None, None, None]
 
 
+@pytest.mark.hazard("H34")
 def test_a_patient_who_moved_by_one_millimetre_voids_the_image(walk) -> None:
     walk.to("moved")
     walk.carm.patient_mm += [1.0, 0.0, 0.0]

@@ -42,6 +42,7 @@ def walk(stage: Stage, surgeon: Tablet, surgeon_client: Coaxial, look: Callable[
     return Walk(surgeon, case, stage.door, stage.people["surgeon"].pin, look)
 
 
+@pytest.mark.hazard("H08")
 @pytest.mark.timeout(420)  # half a minute on a quiet machine; a crowded one loses the hold again and again
 def test_a_whole_procedure_goes_by_touch_alone(walk, surgeon):
     walk.look("cases")

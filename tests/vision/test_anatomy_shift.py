@@ -75,6 +75,7 @@ def test_a_patient_who_lies_still_has_not_moved_though_the_guide_has(expose: Exp
     assert shift.along_mm < 1.0
 
 
+@pytest.mark.hazard("H34")
 @pytest.mark.parametrize("direction_deg", [20.0, 250.0])
 def test_one_millimetre_across_the_beam_is_seen_on_either_detector(
     direction_deg: float, expose: Expose, scene: Scene

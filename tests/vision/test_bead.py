@@ -92,6 +92,7 @@ def test_a_bead_at_its_place_is_found_below_the_pixel(
     assert evidence.amplitude == pytest.approx(1.0, abs=0.25)
 
 
+@pytest.mark.hazard("H05")
 def test_a_bead_at_its_mirror_place_means_a_mirrored_image(
     places: tuple[Array, Array], radius_px: float, look: Callable[..., BeadEvidence | Refusal]
 ) -> None:
@@ -107,6 +108,7 @@ def test_no_bead_is_missed_rather_than_guessed(look: Callable[..., BeadEvidence 
         assert refusal.code is RefusalCode.BEAD_MISSING
 
 
+@pytest.mark.hazard("H05")
 def test_beads_at_both_places_prove_nothing(
     places: tuple[Array, Array], radius_px: float, look: Callable[..., BeadEvidence | Refusal]
 ) -> None:

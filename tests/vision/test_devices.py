@@ -62,6 +62,7 @@ def test_carm_kind_decides_about_the_plate(flat_panel_toml: bytes, intensifier_t
         read_carm(flat_panel_toml.replace(b"flat-panel", b"image-intensifier"))
 
 
+@pytest.mark.hazard("H09")
 @pytest.mark.parametrize("slip", SLIPS)
 @pytest.mark.parametrize(("table", "key", "value"), GUIDE_NUMBERS)
 def test_guide_number_in_the_wrong_unit_is_refused(
@@ -71,6 +72,7 @@ def test_guide_number_in_the_wrong_unit_is_refused(
         read_guide(with_number(guide_toml, table, key, value * slip))
 
 
+@pytest.mark.hazard("H09")
 @pytest.mark.parametrize("slip", SLIPS)
 @pytest.mark.parametrize(("table", "key", "value"), CARM_NUMBERS)
 def test_carm_number_in_the_wrong_unit_is_refused(
@@ -80,6 +82,7 @@ def test_carm_number_in_the_wrong_unit_is_refused(
         read_carm(with_number(intensifier_toml, table, key, value * slip))
 
 
+@pytest.mark.hazard("H09")
 @pytest.mark.parametrize("slip", SLIPS)
 @pytest.mark.parametrize("coordinate", [1, 2])
 def test_bead_coordinate_in_the_wrong_unit_is_refused(guide_toml: bytes, coordinate: int, slip: float) -> None:

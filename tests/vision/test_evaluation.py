@@ -139,6 +139,7 @@ def test_figures_agree_on_a_true_guide_whatever_the_intrinsics_within_their_prio
     assert evaluated(make_registration(off)).agree
 
 
+@pytest.mark.hazard("H33")
 def test_wrong_ring_radius_in_the_file_makes_the_figures_disagree(
     aligned_view: View, make_registration: Callable[..., Registration], guide: Guide
 ) -> None:

@@ -67,6 +67,7 @@ def coverage(fit: ContourFit, hidden: slice, covered: slice | None = None) -> Re
     return gates.check_coverage(fewer, observations(seen), places().chosen(possible))
 
 
+@pytest.mark.hazard("H07")
 def test_a_hundred_degrees_of_a_ring_may_be_hidden_and_no_more(fit: ContourFit) -> None:
     assert coverage(fit, slice(30, 50)) is None
     refusal = coverage(fit, slice(30, 51))
@@ -199,6 +200,7 @@ def test_the_tilt_is_limited(fit: ContourFit, tilt_deg: float, passes: bool) -> 
     assert (refusal is None) is passes
 
 
+@pytest.mark.hazard("H07")
 def test_residual_scale_and_predicted_errors_are_limited(fit: ContourFit) -> None:
     assert gates.check_residual(fit) is None
     noisy = gates.check_residual(replace(fit, noise_px=gates.GREATEST_RESIDUAL_PX * LIMIT_JUST_ABOVE))
@@ -230,6 +232,7 @@ def test_an_aim_may_be_as_unsure_as_a_wrong_one_and_no_more() -> None:
         assert refusal.code is RefusalCode.PREDICTED_ERROR_TOO_HIGH
 
 
+@pytest.mark.hazard("H06")
 @pytest.mark.parametrize(("told_mm", "passes"), [(0.3516, True), (0.3549, True), (0.3553, False), (0.0, False)])
 def test_a_panel_s_pixel_size_is_held_to_what_the_header_tells(told_mm: float, passes: bool) -> None:
     refusal = gates.check_told_scale(told_mm, 0.3516, gates.GREATEST_TOLD_SCALE_OFF)

@@ -68,12 +68,14 @@ def test_a_nudge_along_y_proves_an_image_that_is_not_mirrored(registered) -> Non
     assert proof.mirrored_chi_square > proof.chi_square + 40.0
 
 
+@pytest.mark.hazard("H05")
 def test_a_nudge_along_y_shows_a_mirror(registered) -> None:
     refused = prove_handedness(registered(step(0.0), True), registered(step(6.0), True), step(6.0), ERRORS)
     assert isinstance(refused, Refusal)
     assert refused.code is RefusalCode.MIRRORED
 
 
+@pytest.mark.hazard("H05")
 @pytest.mark.parametrize("moved", [step(0.0, x_mm=20.0), step(0.0, (0.0, 5.0, 0.0)), step(4.99)])
 def test_what_looks_alike_in_a_mirror_proves_nothing(registered, moved: np.ndarray) -> None:
     still = registered(step(0.0), False)

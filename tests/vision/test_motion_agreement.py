@@ -40,6 +40,7 @@ def test_few_false_alarms_and_a_chi_square_of_six_degrees_of_freedom(make_room: 
     assert sum(value > CHI_SQUARE_LIMIT for value in values) <= 1  # of 0.5 %: one or none in 99 % of such runs
 
 
+@pytest.mark.hazard("H03")
 @pytest.mark.parametrize(
     ("turn_deg", "shift_mm"),
     [((0.0, 0.3, 0.0), (0.0,) * 3), ((0.0, 0.0, 0.3), (0.0,) * 3), ((0.0,) * 3, (0.71, -0.71, 0.0)),

@@ -38,6 +38,7 @@ def test_two_hundred_scenes_are_drawn() -> None:
     assert len(set(_DRAWN)) == 200
 
 
+@pytest.mark.hazard("H07")
 @pytest.mark.parametrize(("fault", "seed"), _DRAWN, ids=[f"{fault}-{seed}" for fault, seed in _DRAWN])
 def test_nothing_wrong_is_accepted(fault: Fault, seed: int, guide: Guide, intensifier: CArm, flat_panel: CArm) -> None:
     drawn = faulted_scene(fault, seed)

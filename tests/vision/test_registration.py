@@ -99,6 +99,7 @@ def test_every_kind_of_view_is_registered(group: str, seed: int, attempt: Callab
     assert_right(attempt(xray.pixels, xray.truth), xray.truth, xray.truth["target_raw_px"])
 
 
+@pytest.mark.hazard("H05")
 @pytest.mark.parametrize("turns", [1, 2, 3])
 @pytest.mark.parametrize(("group", "seed"), [("ii", 8), ("flat", 30)])
 def test_a_turned_image_registers_with_its_target_turned(
@@ -112,6 +113,7 @@ def test_a_turned_image_registers_with_its_target_turned(
     assert_right(attempt(np.rot90(xray.pixels, turns), xray.truth), xray.truth, (u, v))
 
 
+@pytest.mark.hazard("H05")
 @pytest.mark.parametrize("name", ["left-right", "up-down", "transposed", "anti-transposed"])
 @pytest.mark.parametrize(("group", "seed"), [("ii", 8), ("flat", 30)])
 def test_a_mirrored_image_is_refused_as_mirrored(group: str, seed: int, name: str, attempt: Callable[..., Any]) -> None:
@@ -138,6 +140,7 @@ def with_guides(scene: Scene, *guides: PlacedGuide) -> NDArray[Any]:
     return render(replace(scene, guides=guides), 5).pixels
 
 
+@pytest.mark.hazard("H07")
 @pytest.mark.parametrize("part", MISSING)
 @pytest.mark.parametrize(("group", "seed"), [("ii", 8), ("flat", 30)])
 def test_a_missing_part_is_missed(group: str, seed: int, part: Part, attempt: Callable[..., Any]) -> None:
@@ -147,6 +150,7 @@ def test_a_missing_part_is_missed(group: str, seed: int, part: Part, attempt: Ca
     refused(attempt(with_guides(scene, fewer), truth), *MISSING[part])
 
 
+@pytest.mark.hazard("H07")
 def test_an_image_without_a_guide_holds_none(attempt: Callable[..., Any]) -> None:
     refused(
         attempt(with_guides(scene_of("flat", 30)), rendered("flat", 30).truth),
@@ -169,12 +173,14 @@ def shifted(scene: Scene, u_mm: float, v_mm: float) -> Array:
     return pose
 
 
+@pytest.mark.hazard("H07")
 def test_two_guides_are_ambiguous(attempt: Callable[..., Any]) -> None:
     scene = scene_of("flat", 30)
     twice = with_guides(scene, *scene.guides, PlacedGuide(GuideShape(), shifted(scene, 35.0, -30.0)))
     refused(attempt(twice, rendered("flat", 30).truth), RefusalCode.AMBIGUOUS)
 
 
+@pytest.mark.hazard("H07")
 @pytest.mark.parametrize("shape", [GuideShape(), GuideShape(small_radius_mm=23.0, big_radius_mm=26.0)])
 def test_decoy_rings_mislead_nobody(shape: GuideShape, attempt: Callable[..., Any]) -> None:
     scene, truth = scene_of("flat", 30), rendered("flat", 30).truth
@@ -197,11 +203,13 @@ def test_a_guide_at_the_border_is_refused(attempt: Callable[..., Any]) -> None:
         )
 
 
+@pytest.mark.hazard("H06")
 def test_an_intensifier_without_its_plate_is_refused(attempt: Callable[..., Any]) -> None:
     bare = render(replace(scene_of("ii", 8), plate=None), 5)
     refused(attempt(bare.pixels, bare.truth), RefusalCode.PLATE_MISSING)
 
 
+@pytest.mark.hazard("H06")
 @pytest.mark.parametrize(("group", "seed"), [("ii", 8), ("steep", 13), ("strong", 15)])
 def test_an_intensifier_taken_for_a_flat_panel_is_refused(
     group: str, seed: int, guide: Guide, flat_panel: CArm
@@ -209,6 +217,7 @@ def test_an_intensifier_taken_for_a_flat_panel_is_refused(
     refused(register(image_of(rendered(group, seed).pixels), guide, flat_panel), RefusalCode.PLATE_UNEXPECTED)
 
 
+@pytest.mark.hazard("H06")
 @pytest.mark.parametrize("factor", [0.5, 1.6])
 def test_another_pixel_scale_is_refused(factor: float, guide: Guide, intensifier: CArm, flat_panel: CArm) -> None:
     for group, seed, carm in (("ii", 8, intensifier), ("flat", 30, flat_panel)):
@@ -235,6 +244,7 @@ def test_a_wrong_guide_file_is_refused_or_does_no_harm(
         assert distance_mm < 1.0
 
 
+@pytest.mark.hazard("H05")
 def test_without_a_bead_handedness_must_be_proved_elsewhere(guide: Guide, flat_panel: CArm) -> None:
     xray, bare = rendered("flat", 30), replace(guide, bead=None)
     refused(register(image_of(xray.pixels), bare, flat_panel), RefusalCode.HANDEDNESS_UNPROVED)

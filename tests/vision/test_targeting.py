@@ -110,6 +110,7 @@ def test_tiny_rotation_keeps_its_digits(
     assert targeting.rotation_rad == pytest.approx(1e-9, rel=1e-6)  # an arccos would give 0
 
 
+@pytest.mark.hazard("H08")
 def test_raw_pixel_is_corrected_and_a_corrected_one_is_not(
     vector_view: View, make_registration: Callable[..., Registration]
 ) -> None:
@@ -131,6 +132,7 @@ def test_target_that_is_no_number_is_refused(
     assert refusal.code is RefusalCode.TARGET_NOT_FINITE
 
 
+@pytest.mark.hazard("H08")
 @pytest.mark.parametrize(
     ("pixel", "beyond_px"), [((-0.6, 480.0), 0.1), ((1023.6, 480.0), 0.1), ((500.0, -8.0), 7.5), ((500.0, 1e9), 1e9)]
 )

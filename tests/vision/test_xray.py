@@ -153,6 +153,7 @@ def test_what_is_no_xray_image_is_unsupported(name: str) -> None:
     assert refusal.code is RefusalCode.UNSUPPORTED_IMAGE
 
 
+@pytest.mark.hazard("H31")
 @pytest.mark.parametrize("data", [png_header(10_000, 10_000), dicom(RAMP, Rows=20_000)], ids=["PNG", "DICOM"])
 def test_a_hundred_megapixels_are_refused_by_the_header_alone(data: bytes) -> None:
     refusal = decode(data)
@@ -163,6 +164,7 @@ def test_a_hundred_megapixels_are_refused_by_the_header_alone(data: bytes) -> No
     assert refusal.measured > refusal.limit
 
 
+@pytest.mark.hazard("H31")
 @pytest.mark.parametrize("seed", range(40))
 def test_flipped_bytes_never_raise(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -37,6 +37,7 @@ def test_a_retreat_is_planned_approved_and_driven(walk, state) -> None:
     assert walk.case.state is State.MOVING
 
 
+@pytest.mark.hazard("H30")
 @pytest.mark.parametrize(("kind", "state"), [(kind, state) for kind in _OTHERS for state in sorted(PLAN_STATES[kind])])
 def test_no_other_motion_is_planned_where_it_could_be(walk, state, kind) -> None:
     walk.to(state)
@@ -45,6 +46,7 @@ def test_no_other_motion_is_planned_where_it_could_be(walk, state, kind) -> None
     assert [verdict.hazard for verdict in refused.failed] == ["H30"]
 
 
+@pytest.mark.hazard("H30")
 def test_a_motion_that_was_approved_before_the_change_does_not_start(walk) -> None:
     walk.to(State.TARGET_CHOSEN)
     walk.do(Trigger.PLAN_REQUESTED)

@@ -393,6 +393,7 @@ def test_every_interlock_has_a_proof_and_every_hazard_an_interlock():
     assert enforced == {f"H{number}" for number in here.split()}
 
 
+@pytest.mark.hazard("H03")
 @pytest.mark.parametrize(
     ("state", "trigger"),
     [
@@ -445,6 +446,7 @@ STILL_ALLOWED = {
 }
 
 
+@pytest.mark.hazard("H30")
 @pytest.mark.parametrize("trigger", REQUESTS)
 @pytest.mark.parametrize("state", State)
 def test_under_another_configuration_a_case_goes_no_further(new_walk, state, trigger):

@@ -65,6 +65,7 @@ def test_a_new_position_takes_neither_window_nor_newest_image_over(walk):
     assert walk.do(Trigger.IMAGE_ARRIVED).image_use is ImageUse.UNASSIGNED
 
 
+@pytest.mark.hazard("H02")
 @pytest.mark.parametrize("moved", [Trigger.PATIENT_MOVED, Trigger.ARM_DISTURBED, Trigger.HAND_GUIDED])
 def test_an_image_that_was_on_its_way_when_something_moved_enters_no_chain(walk, moved):
     """It may have been exposed before: the window closes, and the C-arm need not be positioned anew."""
@@ -138,6 +139,7 @@ def test_a_verification_that_finishes_in_a_hold_attaches(walk):
     assert walk.do(Trigger.ACKNOWLEDGED).after.state is State.VERIFIED
 
 
+@pytest.mark.hazard("H28")
 def test_a_verification_of_what_moved_meanwhile_is_late(walk):
     walk.to(State.MOVED)
     result = walk.facts(Trigger.VERIFICATION_PASSED)
@@ -147,6 +149,7 @@ def test_a_verification_of_what_moved_meanwhile_is_late(walk):
     assert walk.case.verification is None
 
 
+@pytest.mark.hazard("H28")
 def test_a_result_from_before_the_newest_motion_is_late(walk):
     """H28: the image shows where the guide was, not where it is."""
     walk.to(State.MOVED)
@@ -164,6 +167,7 @@ def test_a_passed_verification_beyond_the_limits_is_taken_as_failed(walk):
     assert walk.case.state is State.OFF_TARGET
 
 
+@pytest.mark.hazard("H33")
 def test_evaluations_that_disagree_verify_nothing_and_a_new_exposure_is_allowed(walk):
     decision = walk.to(State.MOVED).do(Trigger.VERIFICATION_PASSED, agree=False)
     assert decision.taken_as is Trigger.VERIFICATION_REFUSED
@@ -173,6 +177,7 @@ def test_evaluations_that_disagree_verify_nothing_and_a_new_exposure_is_allowed(
     assert walk.do(Trigger.VERIFICATION_PASSED).after.state is State.VERIFIED
 
 
+@pytest.mark.hazard("H03")
 def test_rings_that_move_otherwise_than_the_arm_void_the_view(walk):
     """H03: whether the error would pass or not, and though the anatomy shifts with the C-arm."""
     moved = {"motion_chi_square": 40.0, "anatomy_across_mm": 9.0}
@@ -182,6 +187,7 @@ def test_rings_that_move_otherwise_than_the_arm_void_the_view(walk):
     assert (walk.case.verification, walk.case.newest_image_id) == (None, None)
 
 
+@pytest.mark.hazard("H34")
 def test_anatomy_that_shifted_voids_the_image_and_keeps_the_view(walk):
     """H34: the C-arm stands, another image is taken from where it is."""
     decision = walk.to(State.MOVED).do(Trigger.VERIFICATION_FAILED, anatomy_across_mm=1.0)

@@ -49,6 +49,7 @@ def test_a_motion_takes_a_new_plan_after_the_last_one_was_released(approved):
     approved.do(Trigger.MOVE_STARTED)
 
 
+@pytest.mark.hazard("H23")
 def test_the_clock_going_back_expires_a_permit(approved):
     approved.now_s -= 1.0
     assert failed(approved.refused(Trigger.MOVE_STARTED)) == {"permit_fresh"}
@@ -73,6 +74,7 @@ def test_a_permit_does_not_survive_a_hold(approved, trigger):
     assert approved.refused(Trigger.MOVE_STARTED, start).code is RefusalCode.MISSING
 
 
+@pytest.mark.hazard("H22")
 def test_a_new_plan_voids_the_permit_of_the_old_one(approved):
     start = approved.facts(Trigger.MOVE_STARTED)
     approved.do(Trigger.PLAN_REQUESTED)
@@ -88,6 +90,7 @@ def test_a_permit_is_worth_nothing_after_the_control_was_taken(approved):
     assert failed(approved.refused(Trigger.MOVE_STARTED, newer)) == {"permit_holder"}
 
 
+@pytest.mark.hazard("H35")
 def test_an_instrument_stated_after_the_approval_keeps_the_arm_still(approved):
     approved.do(Trigger.GUIDE_STATE_STATED, guide=GuideState.INSTRUMENT)
     refusal = approved.refused(Trigger.MOVE_STARTED)
@@ -95,6 +98,7 @@ def test_an_instrument_stated_after_the_approval_keeps_the_arm_still(approved):
     assert refusal.leads_onwards == (Trigger.GUIDE_STATE_STATED,)
 
 
+@pytest.mark.hazard("H35")
 @pytest.mark.parametrize(("axial", "moves"), [(True, True), (False, False)])
 def test_along_a_wire_the_arm_only_retreats_on_the_axis(walk, axial, moves):
     walk.to(State.TARGET_CHOSEN).do(Trigger.GUIDE_STATE_STATED, guide=GuideState.WIRE)
@@ -120,6 +124,7 @@ def test_an_approach_needs_no_image_to_be_true_to(walk):
     assert walk.do(Trigger.MOVE_STARTED).after.state is State.MOVING
 
 
+@pytest.mark.hazard("H22")
 def test_a_permit_binds_what_its_plan_was_made_from(approved):
     case = approved.case
     assert case.permit.made_from == (case.plan.id, case.view.id, case.image.id, case.registration.id, case.target.id)

@@ -96,6 +96,7 @@ def test_the_search_is_exhaustive_enough_to_mean_something(steps, configurations
     assert {case.state for case in configurations} == set(State)
 
 
+@pytest.mark.hazard("H35")
 def test_the_arm_moves_only_with_an_empty_guide_or_along_a_wire(steps):
     starts = [step for step in steps if step.trigger is Trigger.MOVE_STARTED]
     assert starts
@@ -115,6 +116,7 @@ def test_the_arm_moves_only_by_a_started_motion(steps):
         assert (step.after.running is not None) == (step.after.state is State.MOVING)
 
 
+@pytest.mark.hazard("H35")
 def test_no_instrument_is_in_the_guide_of_a_moving_arm(configurations):
     for case in configurations:
         if case.state is State.MOVING:
@@ -122,6 +124,7 @@ def test_no_instrument_is_in_the_guide_of_a_moving_arm(configurations):
             assert case.insertion is None
 
 
+@pytest.mark.hazard("H28")
 def test_an_insertion_starts_only_on_a_passed_verification_newer_than_the_motion(steps):
     starts = [step for step in steps if step.trigger is Trigger.INSERTION_STARTED]
     assert starts
@@ -131,6 +134,7 @@ def test_an_insertion_starts_only_on_a_passed_verification_newer_than_the_motion
         assert motion is None or verification.motion_id == motion.id
 
 
+@pytest.mark.hazard("H22")
 def test_a_motion_voids_every_verification_before_it(configurations):
     for case in configurations:
         if case.state is State.MOVING:
@@ -183,6 +187,7 @@ def test_every_live_configuration_can_be_closed(steps, configurations):
     assert not stuck, next(iter(stuck))
 
 
+@pytest.mark.hazard("H22")
 def test_every_link_has_what_it_was_made_from(configurations):
     """H22: nothing stands on something void, save what a later motion or a turned C-arm may leave."""
     for case in configurations:
@@ -193,6 +198,7 @@ def test_every_link_has_what_it_was_made_from(configurations):
         assert case.verification is None or case.verification.passed or case.motion is not None
 
 
+@pytest.mark.hazard("H22")
 def test_what_moved_leaves_nothing_to_aim_with(steps):
     gone = {
         Trigger.CARM_MOVED: ("view", "image", "registration", "target", "plan", "permit", "motion"),

@@ -153,6 +153,7 @@ def test_a_case_with_open_targets_is_not_closed(walk):
     assert refusal.code is RefusalCode.TARGETS_OPEN
 
 
+@pytest.mark.hazard("H18")
 @pytest.mark.parametrize("mode", [SafetyMode.PROTECTIVE_STOP, SafetyMode.EMERGENCY_STOP, SafetyMode.OFF])
 def test_a_hold_lasts_while_its_cause_does(walk, mode):
     """H18: nothing but the cause going away and a surgeon's acknowledgement ends it."""

@@ -171,6 +171,7 @@ def asked(walk, trigger: Trigger):
     return walk.ask(trigger)
 
 
+@pytest.mark.hazard("H22")
 @pytest.mark.parametrize(("state", "trigger"), EVERY_CELL, ids=lambda value: value.value)
 def test_every_cell_is_as_the_second_table_says(walk, state, trigger):
     before = prepare(walk, state, trigger)

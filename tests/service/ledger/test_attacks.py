@@ -74,6 +74,7 @@ def _names(wheres, table):
     return any(where.startswith(places) for where in wheres)
 
 
+@pytest.mark.hazard("H26")
 @pytest.mark.parametrize("column", _COLUMNS, ids=str)
 def test_a_flipped_bit_is_found_in_every_column(record, column):
     record.attack(_flip(column, _flipped))
@@ -102,6 +103,7 @@ def test_a_bit_flipped_anywhere_in_the_file_is_found_or_changes_no_record(record
     assert found or record.rows() == kept_record.rows()
 
 
+@pytest.mark.hazard("H26")
 @pytest.mark.parametrize("table", tables.RECORDS, ids=lambda table: table.name)
 def test_a_deleted_row_is_named(record, table):
     record.attack(lambda c: c.execute(f"DELETE FROM {table.name} WHERE rowid = (SELECT max(rowid) FROM {table.name})"))
@@ -109,6 +111,7 @@ def test_a_deleted_row_is_named(record, table):
     assert where.startswith(f"{table.name} ")
 
 
+@pytest.mark.hazard("H26")
 @pytest.mark.parametrize("table", tables.RECORDS, ids=lambda table: table.name)
 def test_an_inserted_row_is_named(record, table):
     names = ", ".join(f'"{column.name}"' for column in table.columns)
@@ -119,6 +122,7 @@ def test_an_inserted_row_is_named(record, table):
     assert any(where.startswith(f"{table.name} ") for where in record.wheres())
 
 
+@pytest.mark.hazard("H26")
 def test_two_rows_with_their_contents_swapped_are_both_named(record):
     def swap(connection):
         rows = dict(connection.execute("SELECT sequence, recorded_at FROM events WHERE case_id = 'case-1'"))
@@ -130,6 +134,7 @@ def test_two_rows_with_their_contents_swapped_are_both_named(record):
     assert record.wheres() == {"events case-1/3", "events case-1/4"}
 
 
+@pytest.mark.hazard("H26")
 def test_two_swapped_entries_are_both_named(record):
     def swap(connection):
         rows = dict(connection.execute("SELECT sequence, entry FROM ledger WHERE sequence IN (5, 6)"))
@@ -140,6 +145,7 @@ def test_two_swapped_entries_are_both_named(record):
     assert record.wheres() >= {"entry 5", "entry 6"}
 
 
+@pytest.mark.hazard("H26")
 def test_a_deleted_entry_is_named(record):
     record.attack(lambda c: c.execute("DELETE FROM ledger WHERE sequence = 7"))
     assert "entry 7" in record.wheres()
@@ -153,6 +159,7 @@ def test_a_deleted_checkpoint_is_named(record):
     assert any("always signed" in finding.what for finding in record.findings())
 
 
+@pytest.mark.hazard("H26")
 def test_a_cut_end_is_seen_by_the_anchor(record):
     """The last transaction, with its entry and its row: what is left is consistent in itself."""
 
@@ -166,6 +173,7 @@ def test_a_cut_end_is_seen_by_the_anchor(record):
     assert "the end was cut off" in finding.what
 
 
+@pytest.mark.hazard("H26")
 def test_an_old_copy_is_seen_by_the_anchor(record, kept_record):
     with closing(record.open()) as database:
         with database.write() as connection:
@@ -195,6 +203,7 @@ def _rename(entry):
     entry["action"] = "forged"
 
 
+@pytest.mark.hazard("H26")
 def test_a_history_hashed_anew_without_the_key_is_not_what_was_signed(record):
     record.attack(lambda connection: _rehash(connection, 4, _rename))
     findings = record.findings()
@@ -230,6 +239,7 @@ def test_an_unsigned_end_hashed_anew_is_not_what_was_anchored(record):
     assert "written anew" in finding.what
 
 
+@pytest.mark.hazard("H26")
 def test_checkpoints_signed_anew_with_another_key_are_unknown(record):
     key = Ed25519PrivateKey.generate()
     other = Signer(key, Verifier(key.public_key()))
