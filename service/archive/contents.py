@@ -46,7 +46,7 @@ def contents_of(connection: Connection, case_id: str) -> Contents:
     rows["verdicts"] = _read(connection, tables.verdicts, tables.verdicts.c.attempt_id.in_(of_case), files)
     sent = sa.select(tables.outgoing_objects.c.id).where(tables.outgoing_objects.c.case_id == case_id)
     rows["deliveries"] = _read(connection, tables.deliveries, tables.deliveries.c.object_id.in_(sent), files)
-    images = [row["image_id"] for row in rows["image_purposes"]]
+    images = {row["image_id"] for row in (*rows["image_purposes"], *rows["image_assignments"])}
     rows["images"] = _read(connection, tables.images, tables.images.c.id.in_(images), files)
     devices = set(case.devices.values())
     for event in events:

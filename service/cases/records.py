@@ -19,6 +19,7 @@ class ArtefactKind(StrEnum):
     MOTION = "motions"
     EVALUATION = "evaluations"
     INSERTION = "insertions"
+    IMAGE_ASSIGNMENT = "image_assignments"
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +55,7 @@ class NewEvent:
 class NewArtefact:
     """One link of the chain, made by the event that it is appended with.
 
-    `columns` holds what its table has beside `content`: image_id, approved_by or trajectory.
+    `columns` holds what its table has beside `content`: image_id, number, approved_by or trajectory.
     """
 
     kind: ArtefactKind

@@ -239,6 +239,13 @@ permit_uses = _artefact("permit_uses", sa.ForeignKeyConstraint(["id"], ["permits
 motions = _artefact("motions", Column("trajectory", LargeBinary))
 evaluations = _artefact("evaluations", Column("image_id", ForeignKey("images.id"), nullable=False))
 insertions = _artefact("insertions")
+# What a person says that an image is for; of several, the one with the greatest number counts.
+image_assignments = _artefact(
+    "image_assignments",
+    Column("image_id", ForeignKey("images.id"), nullable=False),
+    Column("number", Integer, nullable=False),
+    sa.UniqueConstraint("image_id", "number"),
+)
 outgoing_objects = Table(
     "outgoing_objects",
     metadata,
@@ -303,6 +310,7 @@ RECORDS: tuple[Table, ...] = (
     motions,
     evaluations,
     insertions,
+    image_assignments,
     outgoing_objects,
     deliveries,
 )

@@ -122,6 +122,7 @@ def _procedure(database: Database, case_id: str, user_id: str, image_ids: list[s
         ArtefactKind.EVALUATION: {"image_id": image_ids[1]},
         ArtefactKind.PERMIT: {"approved_by": user_id},
         ArtefactKind.MOTION: {"trajectory": bytes(range(64))},
+        ArtefactKind.IMAGE_ASSIGNMENT: {"image_id": image_ids[2], "number": 1 if case_id == CASE else 2},
     }
     for kind in ArtefactKind:
         made_id = f"{case_id}-{'permits' if kind is ArtefactKind.PERMIT_USE else kind}"
