@@ -1,6 +1,7 @@
 """The client's files in memory: read once at start, so that no request names a path of the disk."""
 
 import hashlib
+import json
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,8 @@ _MEDIA_TYPES = {
 # Fetched beside the page instead of one after the other as each module names the next.
 _PRELOADED = (".js",)
 _PRELOAD_MARK = b"<!-- modules -->"
+_LOCALES = "locales"
+_OWN_NAME = "language.name"  # what a language calls itself, in its own file
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,10 +35,22 @@ class Asset:
 
 @cache
 def assets() -> dict[str, Asset]:
-    """Every file of the client by its address; the page itself at `/`."""
-    files = {path.relative_to(_FOLDER).as_posix(): path.read_bytes() for path in _FOLDER.rglob("*") if path.is_file()}
+    """The client as it was installed."""
+    return assets_in(_FOLDER)
+
+
+def assets_in(folder: Path) -> dict[str, Asset]:
+    """Every file of a client's folder by its address; the page itself at `/`, its languages at `/locales.json`."""
+    files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     files[""] = files.pop(_INDEX).replace(_PRELOAD_MARK, _preloads(files))
+    files[f"{_LOCALES}.json"] = _languages(files)
     return {f"/{name}": _asset(name or _INDEX, content) for name, content in files.items()}
+
+
+def _languages(files: dict[str, bytes]) -> bytes:
+    """What there is a file of words for: names by their code."""
+    words = {Path(name): content for name, content in files.items() if name.startswith(f"{_LOCALES}/")}
+    return json.dumps({path.stem: json.loads(words[path])[_OWN_NAME] for path in sorted(words)}).encode()
 
 
 def _preloads(files: dict[str, bytes]) -> bytes:

@@ -1,19 +1,24 @@
-"""The tablet's files: whole, in two languages, and unable to ask anybody but the service for anything."""
+"""The tablet's files: whole, in every language, and unable to ask anybody but the service for anything."""
 
 import json
 import re
+import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
+from hatchling.builders.wheel import WheelBuilder
 
-from service.web.assets import assets
+from robot.envelope import links
+from service.web.assets import assets, assets_in
 from service.web.router import POLICY
 from workflow.interlocks import INTERLOCKS
-from workflow.refusals import RefusalCode
 from workflow.states import GuideState, State
 from workflow.triggers import Trigger
 
-_CLIENT = Path(__file__).parents[2] / "service" / "web" / "client"
+_TREE = Path(__file__).parents[2]
+_CLIENT = _TREE / "service" / "web" / "client"
+_ERROR_CODES = _TREE / "docs" / "error-codes.md"
 _WORDS = {path.stem: json.loads(path.read_text()) for path in (_CLIENT / "locales").glob("*.json")}
 _SOURCES = {path: path.read_text() for path in (_CLIENT / "js").rglob("*.js")}
 
@@ -58,16 +63,29 @@ def test_what_the_files_name_is_there_and_is_the_service_s_own():
             assert target in known, f"{path} names {name}"
 
 
-def test_every_language_has_the_same_words():
-    names = {language: {key for key in words if not _is_told_by_service(key)} for language, words in _WORDS.items()}
-    assert set(names) == {"en", "de"}
-    assert names["en"] == names["de"]
+def test_an_installed_program_has_every_file():
+    packed = {file.distribution_path for file in WheelBuilder(str(_TREE)).recurse_included_files()}
+    assert {path.relative_to(_TREE).as_posix() for path in _CLIENT.rglob("*") if path.is_file()} <= packed
+
+
+def test_one_more_file_adds_a_language(tmp_path):
+    folder = tmp_path / "client"
+    shutil.copytree(_CLIENT, folder)
+    (folder / "locales" / "fr.json").write_text(json.dumps({"language.name": "Français"}))
+    languages = json.loads(assets_in(folder)["/locales.json"].content)
+    assert languages == {"de": "Deutsch", "en": "English", "fr": "Français"}
+
+
+@pytest.mark.parametrize("language", sorted(_WORDS.keys() - {"en"}))
+def test_every_language_has_the_words_of_english(language):
+    told_by_service = {key for key in _WORDS[language] if _is_told_by_service(key)}
+    assert _WORDS[language].keys() - told_by_service == {key for key in _WORDS["en"] if not _is_told_by_service(key)}
 
 
 def test_the_same_places_are_filled_in_every_language():
-    for key in _WORDS["en"].keys() & _WORDS["de"].keys():
-        places = [set(re.findall(r"\{\w+\}", words[key])) for words in _WORDS.values()]
-        assert places[0] == places[1], key
+    for key in _WORDS["en"]:
+        places = [sorted(re.findall(r"\{\w+\}", words[key])) for words in _WORDS.values() if key in words]
+        assert places.count(places[0]) == len(places), key
 
 
 def test_every_word_that_a_screen_names_is_there():
@@ -89,9 +107,19 @@ def test_every_word_for_a_state_or_a_trigger_is_there(beginning, endings):
     assert {f"{beginning}.{one}" for one in endings} <= _WORDS["en"].keys()
 
 
-def test_every_refusal_of_the_rules_is_told_in_german():
-    """What the service adds of its own and the file has not yet is told in the service's English."""
-    assert {f"code.{code}" for code in (*INTERLOCKS, *RefusalCode)} <= _WORDS["de"].keys()
+@pytest.mark.parametrize("language", sorted(_WORDS.keys() - {"en"}))
+def test_every_refusal_has_its_words_where_the_service_s_english_is_not_spoken(language):
+    """Of an interlock the status says what leads onwards; a refused request says itself what to do."""
+    codes = re.findall(r"^\| `(\w+)` \|", _ERROR_CODES.read_text(), re.MULTILINE)
+    assert len(codes) > 100
+    told = {f"code.{code}" for code in (*INTERLOCKS, *codes)} | {f"do.{code}" for code in codes}
+    assert told - _WORDS[language].keys() == set()
+
+
+def test_every_part_of_the_arm_has_a_name_in_every_language():
+    parts = ("guide", "holder", *links(np.tile(np.eye(4), (7, 1, 1))).names)
+    for words in _WORDS.values():
+        assert {f"part.{part.replace(' ', '_')}" for part in parts} <= words.keys()
 
 
 def _is_told_by_service(key: str) -> bool:

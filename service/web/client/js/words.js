@@ -2,10 +2,12 @@
 
 import { signal } from "../vendor/preact.js";
 
-/** Languages by their file's name; one more file and one more line here add a language. */
-export const LANGUAGES = { en: "English", de: "Deutsch" };
+/** Names of the languages by their file's name; one more file adds a language. @type {import("../vendor/preact.js").Signal<Record<string, string>>} */
+export const languages = signal({});
 const KEPT = "coaxial.language";
 const FALLBACK = "en";
+/** As an operating room's clock on the wall has it, in every language. @type {Intl.DateTimeFormatOptions} */
+const CLOCK = { hourCycle: "h23" };
 
 export const language = signal(FALLBACK);
 /** @type {import("../vendor/preact.js").Signal<Record<string, string>>} */
@@ -16,21 +18,26 @@ let fallback = {};
 /** The language chosen on this tablet, else the browser's, else English. */
 export async function loadWords() {
   const wanted = localStorage.getItem(KEPT) ?? navigator.language.slice(0, 2);
-  fallback = await read(FALLBACK);
-  await speak(wanted in LANGUAGES ? wanted : FALLBACK);
+  [languages.value, fallback] = await Promise.all([read("/locales.json"), readWords(FALLBACK)]);
+  await speak(wanted in languages.value ? wanted : FALLBACK);
 }
 
 /** @param {string} wanted */
 export async function speak(wanted) {
-  words.value = wanted === FALLBACK ? fallback : await read(wanted);
+  words.value = wanted === FALLBACK ? fallback : await readWords(wanted);
   language.value = wanted;
   document.documentElement.lang = wanted;
   localStorage.setItem(KEPT, wanted);
 }
 
-/** @param {string} name @returns {Promise<Record<string, string>>} */
-async function read(name) {
-  return (await fetch(`/locales/${name}.json`)).json();
+/** @param {string} name */
+function readWords(name) {
+  return read(`/locales/${name}.json`);
+}
+
+/** @param {string} address @returns {Promise<Record<string, string>>} */
+async function read(address) {
+  return (await fetch(address)).json();
 }
 
 /**
@@ -65,10 +72,10 @@ export function number(value, digits = 2) {
 
 /** @param {string} at ISO time */
 export function clock(at) {
-  return new Date(at).toLocaleTimeString(language.value);
+  return new Date(at).toLocaleTimeString(language.value, CLOCK);
 }
 
 /** @param {string} at ISO time */
 export function day(at) {
-  return new Date(at).toLocaleString(language.value, { dateStyle: "medium", timeStyle: "short" });
+  return new Date(at).toLocaleString(language.value, { dateStyle: "medium", timeStyle: "short", ...CLOCK });
 }

@@ -6,6 +6,7 @@ import { Action, Figures, Row } from "../parts/controls.js";
 import { askPin } from "../parts/keypad.js";
 import { number, t, tOr } from "../words.js";
 import { HoldButton } from "./hold_button.js";
+import { nearestWords } from "./nearest.js";
 import { approve, dropMotion, endMotion, motion } from "./motion.js";
 
 export function MotionPanel() {
@@ -33,7 +34,7 @@ export function PlanWords({ plan }) {
       ${predicted && html`<${Row} name=${t("motion.predicted_angle")} value=${number(predicted.angle_deg, 3)} unit="°" />`}
       ${predicted && html`<${Row} name=${t("motion.predicted_position")} value=${number(predicted.position_mm, 3)} unit="mm" />`}
       <${Row}
-        name=${t("motion.nearest", { shape: tOr(`shape.${nearest.shape}`, nearest.shape), part: tOr(`part.${nearest.part}`, nearest.part) })}
+        name=${nearestWords(nearest)}
         value=${number(plan.clearance_mm, 0)}
         unit="mm"
         limit=${t("limit.at_least", { value: number(plan.clearance_needed_mm, 0) })}

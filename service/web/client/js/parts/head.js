@@ -3,7 +3,7 @@
 import { html } from "../../vendor/preact.js";
 import { isConnected } from "../room/room.js";
 import { lock, session, signOut } from "../session.js";
-import { LANGUAGES, language, speak, t } from "../words.js";
+import { language, languages, speak, t } from "../words.js";
 import { noteRefusal } from "../room/room.js";
 
 /** @param {any} props */
@@ -22,7 +22,7 @@ export function Head({ children }) {
 
 export function Languages() {
   return html`<div class="languages" role="group" aria-label=${t("language")}>
-    ${Object.entries(LANGUAGES).map(
+    ${Object.entries(languages.value).map(
       ([code, name]) => html`<button class="language" lang=${code} aria-label=${name} aria-pressed=${language.value === code} onClick=${() => speak(code)}>${code.toUpperCase()}</button>`,
     )}
   </div>`;

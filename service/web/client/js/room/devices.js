@@ -5,8 +5,9 @@ import { answer, Refused } from "../api.js";
 import { useAnswer } from "../case/artefacts.js";
 import { Head } from "../parts/head.js";
 import { StopBar } from "../parts/stop.js";
+import { Told } from "../parts/told.js";
 import { session } from "../session.js";
-import { day, number, t, tOr } from "../words.js";
+import { day, number, t } from "../words.js";
 import { goTo, noteRefusal, people } from "./room.js";
 
 const KINDS = ["guide", "carm", "tcp", "room"];
@@ -68,6 +69,6 @@ function Upload(/** @type {any} */ { onStored }) {
   return html`<section class="upload">
     <div class="chips">${KINDS.map((one) => html`<button class="chip" aria-pressed=${one === kind} onClick=${() => setKind(one)}>${t(`device.${one}`)}</button>`)}</div>
     <label class="button"><i class="icon icon-plus"></i><span>${t("devices.upload")}</span><input class="file" type="file" accept=".toml" onChange=${send} /></label>
-    ${told && html`<p class="warning" role="alert">${tOr(`code.${told.code}`, told.detail)} ${told.code === "device_refused" ? told.detail : ""} ${tOr(`do.${told.code}`, told.what_to_do)}</p>`}
+    <${Told} problem=${told} />
   </section>`;
 }

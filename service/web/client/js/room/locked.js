@@ -4,7 +4,8 @@ import { html, useState } from "../../vendor/preact.js";
 import { Refused } from "../api.js";
 import { Pad } from "../parts/keypad.js";
 import { session, signOut, unlock } from "../session.js";
-import { t, tOr } from "../words.js";
+import { Told } from "../parts/told.js";
+import { t } from "../words.js";
 import { noteRefusal } from "./room.js";
 
 const LONGEST_PIN = 12;
@@ -23,7 +24,7 @@ export function Locked() {
   return html`<main class="locked">
     <h1><i class="icon icon-lock"></i> ${t("locked.title", { name: session.value?.user ?? "" })}</h1>
     <${Pad} key=${told} secret=${true} longest=${LONGEST_PIN} extra=${[]} answer=${open} />
-    ${told && html`<p class="warning" role="alert">${tOr(`code.${told.code}`, told.detail)} ${tOr(`do.${told.code}`, told.what_to_do)}</p>`}
+    <${Told} problem=${told} />
     <button class="button is-plain" onClick=${() => signOut().catch(noteRefusal)}>${t("locked.other")}</button>
   </main>`;
 }

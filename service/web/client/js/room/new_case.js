@@ -1,32 +1,32 @@
-/** A new case, entered by hand: patient, study, position, planned paths. */
+/** A new case: who, how they lie, and the planned paths; entered by hand, from the worklist, from 3D Slicer. */
 
 import { html, useState } from "../../vendor/preact.js";
 import { newKey, post, Refused } from "../api.js";
 import { useAnswer } from "../case/artefacts.js";
-import { Primary } from "../parts/controls.js";
 import { Head } from "../parts/head.js";
 import { StopBar } from "../parts/stop.js";
-import { t, tOr } from "../words.js";
+import { Told } from "../parts/told.js";
+import { t } from "../words.js";
 import { DeviceLine, newestOfEach } from "./devices.js";
+import { Entry } from "./entry.js";
+import { asEntered, asPlanned, noPath, Path } from "./planned_path.js";
 import { goTo, noteRefusal } from "./room.js";
+import { SlicerPlan } from "./slicer_plan.js";
 import { Worklist } from "./worklist.js";
 
-const AXES = ["x", "y", "z"];
-const NO_POINT = ["", "", ""];
-const noTarget = () => ({ name: "", entry: NO_POINT, target: NO_POINT });
+const POSITIONS = ["prone", "supine"];
 
 export function NewCase() {
   const [patient, setPatient] = useState("");
   const [study, setStudy] = useState("");
-  const [position, setPosition] = useState("prone");
-  const [targets, setTargets] = useState([noTarget()]);
+  const [position, setPosition] = useState(POSITIONS[0]);
+  const [paths, setPaths] = useState([noPath()]);
   const [told, setTold] = useState(/** @type {any} */ (null));
   const devices = newestOfEach(useAnswer("/devices", true) ?? []);
-  const change = (/** @type {number} */ place, /** @type {any} */ target) =>
-    setTargets(targets.map((known, index) => (index === place ? target : known)));
   const open = async () => {
+    setTold(null);
     try {
-      const body = { patient_id: patient, study_uid: study, position, targets: targets.map(asPlanned) };
+      const body = { patient_id: patient.trim(), study_uid: study.trim(), position, targets: paths.map(asPlanned) };
       const made = await post("/cases", body, { "Idempotency-Key": newKey() });
       goTo("case", made.id);
     } catch (refused) {
@@ -34,47 +34,57 @@ export function NewCase() {
       setTold(/** @type {Refused} */ (refused).problem);
     }
   };
+  const choosePatient = (/** @type {string} */ id, /** @type {string} */ uid) => {
+    setTold(null);
+    setPatient(id);
+    setStudy(uid);
+  };
+  const wrong = wrongFields(told);
   return html`
     <${Head}><h1>${t("new.title")}</h1><//>
     <main class="sheet-page">
-      <${Worklist} choose=${(/** @type {string} */ id, /** @type {string} */ uid) => (setPatient(id), setStudy(uid))} />
+      <${Told} problem=${told} />
+      <section class="ways">
+        <${Worklist} choose=${choosePatient} />
+        <${SlicerPlan} choose=${(/** @type {any[]} */ targets) => (setTold(null), setPaths(targets.map(asEntered)))} />
+      </section>
       <div class="columns">
-        <${Entry} name=${t("new.patient")} value=${patient} set=${setPatient} />
-        <${Entry} name=${t("new.study")} value=${study} set=${setStudy} mode="decimal" />
+        <${Entry} name=${t("new.patient")} value=${patient} set=${setPatient} wrong=${wrong.patient_id && t("new.wrong.patient")} />
+        <${Entry} name=${t("new.study")} value=${study} set=${setStudy} mode="decimal" wrong=${wrong.study_uid && t("new.wrong.study")} />
         <div class="entry"><span>${t("new.position")}</span>
-          <div class="chips">${["prone", "supine"].map((one) => html`<button class="chip" aria-pressed=${one === position} onClick=${() => setPosition(one)}>${t(`position.${one}`)}</button>`)}</div>
+          <div class="chips">${POSITIONS.map((one) => html`<button class="chip" aria-pressed=${one === position} onClick=${() => setPosition(one)}>${t(`position.${one}`)}</button>`)}</div>
         </div>
       </div>
-      <h2>${t("new.targets")}</h2>
-      <p class="note">${t("new.coordinates")}</p>
-      ${targets.map((target, place) => html`<${Target} key=${place} target=${target} set=${(/** @type {any} */ changed) => change(place, changed)} />`)}
-      <button class="button" onClick=${() => setTargets([...targets, noTarget()])}>${t("new.more")}</button>
+      <${Paths} ...${{ paths, setPaths, wrong }} />
       <h2>${t("devices.title")}</h2>
       <ul class="devices">${devices.map((device) => html`<${DeviceLine} key=${device.id} ...${device} />`)}</ul>
-      ${told && html`<div class="warning" role="alert"><p>${tOr(`code.${told.code}`, told.detail)}</p>${(told.fields ?? []).map((/** @type {any} */ one) => html`<p>${one.field}: ${one.problem}</p>`)}<p>${tOr(`do.${told.code}`, told.what_to_do)}</p></div>`}
-      <div class="actions"><${Primary} icon="check" onPress=${open}>${t("new.open")}<//><button class="button" onClick=${() => goTo("cases")}>${t("cancel")}</button></div>
     </main>
-    <${StopBar} />
+    <${StopBar}>
+      <button class="button" onClick=${() => goTo("cases")}>${t("cancel")}</button>
+      <button class="button is-bar-next" onClick=${open}><i class="icon icon-check"></i><span>${t("new.open")}</span></button>
+    <//>
   `;
 }
 
 /** @param {any} props */
-function Entry({ name, value, set, mode = "text" }) {
-  return html`<label class="entry"><span>${name}</span><input value=${value} inputmode=${mode} onInput=${(/** @type {any} */ event) => set(event.target.value)} /></label>`;
+function Paths({ paths, setPaths, wrong }) {
+  const set = (/** @type {number} */ place) => (/** @type {any} */ changed) =>
+    setPaths(paths.map((/** @type {any} */ known, /** @type {number} */ index) => (index === place ? changed : known)));
+  const remove = (/** @type {number} */ place) => () => {
+    const left = paths.filter((/** @type {any} */ _, /** @type {number} */ index) => index !== place);
+    setPaths(left.length > 0 ? left : [noPath()]);
+  };
+  return html`
+    <h2>${t("new.targets")}</h2>
+    <p class="note">${t("new.coordinates")}</p>
+    ${wrong.targets && html`<p class="warning" lang="en">${wrong.targets}</p>`}
+    ${paths.map((/** @type {any} */ path, /** @type {number} */ place) => html`<${Path} key=${place} path=${path} set=${set(place)} remove=${remove(place)} wrong=${wrong} at=${`targets.${place}`} />`)}
+    <button class="button" onClick=${() => setPaths([...paths, noPath()])}><i class="icon icon-plus"></i><span>${t("new.more")}</span></button>
+  `;
 }
 
-/** @param {any} props */
-function Target({ target, set }) {
-  const coordinate = (/** @type {"entry"|"target"} */ point, /** @type {number} */ axis) => (/** @type {string} */ value) =>
-    set({ ...target, [point]: target[point].map((/** @type {string} */ known, /** @type {number} */ index) => (index === axis ? value : known)) });
-  return html`<fieldset class="target">
-    <${Entry} name=${t("new.name")} value=${target.name} set=${(/** @type {string} */ name) => set({ ...target, name })} />
-    ${/** @type {const} */ (["entry", "target"]).map((point) => AXES.map((axis, index) => html`<${Entry} name=${`${t(`new.${point}`)} ${axis}`} mode="decimal" value=${target[point][index]} set=${coordinate(point, index)} />`))}
-  </fieldset>`;
-}
-
-/** @param {any} target */
-function asPlanned({ name, entry, target }) {
-  const numbers = (/** @type {string[]} */ point) => point.map((text) => (text.trim() === "" ? null : Number(text.replace(",", "."))));
-  return { name, entry_mm: numbers(entry), target_mm: numbers(target) };
+/** The fields that the service does not take, by their names, with what it says of each. @param {any} problem @returns {Record<string, string>} */
+function wrongFields(problem) {
+  const fields = /** @type {any[]} */ (problem?.fields ?? []);
+  return Object.fromEntries(fields.map((one) => [one.field.replace(/^body\./, ""), one.problem]));
 }

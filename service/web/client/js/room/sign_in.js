@@ -4,7 +4,8 @@ import { html, useState } from "../../vendor/preact.js";
 import { Refused } from "../api.js";
 import { Languages } from "../parts/head.js";
 import { Pad } from "../parts/keypad.js";
-import { number, t, tOr } from "../words.js";
+import { Told } from "../parts/told.js";
+import { t } from "../words.js";
 import { rememberedNames, signIn } from "../session.js";
 
 const LONGEST_PIN = 12;
@@ -37,7 +38,7 @@ export function SignIn() {
       </label>
       ${names.length > 0 && html`<div class="chips">${names.map((known) => html`<button class="chip" aria-pressed=${known === name} onClick=${() => setName(known)}>${known}</button>`)}</div>`}
       ${withPassword ? html`<${Password} prove=${prove} />` : html`<${PinPad} key=${told} prove=${prove} />`}
-      ${told && html`<p class="warning" role="alert">${tOr(`code.${told.code}`, told.detail)} ${told.measured != null ? number(told.measured, 0) : ""} ${tOr(`do.${told.code}`, told.what_to_do)}</p>`}
+      <${Told} problem=${told} />
       <button class="button is-plain" onClick=${() => setWithPassword(!withPassword)}>${t(withPassword ? "door.with_pin" : "door.with_password")}</button>
     </section>
   </main>`;
