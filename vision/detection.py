@@ -19,6 +19,7 @@ from vision.wires import Ridge
 Array = NDArray[np.float64]
 
 LEAST_SUPPORT = 0.4  # of a circumference with ridge points; what is really seen is measured and judged later (gates)
+_FEWEST_POINTS = 50  # of a ridge: no ring has fewer
 _SAMPLES = 32  # on the circumference, for the first look
 _FINE_SAMPLES = 120
 _LOOSE, _TIGHT = 1.5, 0.75  # distance of a ridge point from the ellipse it supports, in spacings of the ridge
@@ -84,10 +85,21 @@ def ring_candidates(ridge: Ridge, axes: AxisRange, effort: Effort = THOROUGH) ->
     list[RingCandidate]
         Best supported first, each at least `LEAST_SUPPORT`, no two of them the same.
     """
-    if len(ridge.points) < 50:
+    if len(ridge.points) < _FEWEST_POINTS:
         return []
     nearest = RidgeMap(ridge)
-    forms = _hypotheses(ridge, nearest, axes, effort.triples)
+    return _refined(_hypotheses(ridge, nearest, axes, effort.triples), ridge, nearest, axes, effort)
+
+
+def rings_near(forms: Array, ridge: Ridge, axes: AxisRange, effort: Effort) -> list[RingCandidate]:
+    """As `ring_candidates`, of ellipses (h, 5) that are known to some pixels."""
+    if len(ridge.points) < _FEWEST_POINTS:
+        return []
+    return _refined(forms[axes.holds(forms)], ridge, RidgeMap(ridge), axes, effort)
+
+
+def _refined(forms: Array, ridge: Ridge, nearest: RidgeMap, axes: AxisRange, effort: Effort) -> list[RingCandidate]:
+    """The best of some ellipses (h, 5), laid onto the ridges that they follow."""
     support = nearest.support(forms, _SAMPLES, _LOOSE, _NORMALS_WITHIN)
     forms = forms[_different(forms, support, _LEAST_FIRST_SUPPORT, _ALIKE * ridge.spacing_px, effort)]
     for within in (2.0 * _LOOSE, _LOOSE, _LOOSE, _TIGHT):

@@ -2,33 +2,26 @@
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vision import gates
-from vision.candidates import Candidates, find_candidates
-from vision.conics import Ellipse, ellipse_from_conic
-from vision.contour import ContourFit
+from vision.candidates import Candidates, completed, find_candidates, rings_left
 from vision.corrected_image import CorrectedImage
-from vision.detection import QUICK, THOROUGH, Effort
+from vision.detection import QUICK, THOROUGH, Effort, RingCandidate
 from vision.devices import CArm, Guide
 from vision.first_pose import LEAST_LINE_CONTRAST, FirstView, RingView, first_views
 from vision.measuring import Scene
-from vision.projection import View, project, ring_conic
 from vision.refusal import Refusal, RefusalCode
+from vision.ring_likeness import is_beside, is_one_ring, lies_on, rings_of
 from vision.solution import Attempt, Round, Solution, solve
 from vision.wire_model import sample_wires
-
-Array = NDArray[np.float64]
 
 _FINAL = frozenset({RefusalCode.MIRRORED, RefusalCode.AMBIGUOUS})  # looking harder changes nothing about these
 _HARDLY_THERE = 0.75  # of a ring's circumference with ridge points; arcs of other things reach 0.6
 _RING_SUPPORT = 0.6  # of a ring: what only looks like one has half of its circumference by chance
-_ONE_RING_WITHIN = 0.03  # of its size, in centre and axes
-_BESIDE_RING = 0.12  # the same, of ellipses that follow the greater part of one ring and nothing else
 _SAME_WITHIN_MM = 1.0  # refits of one guide agree far better, two guides cannot be so near
 _SAME_WITHIN_RAD = math.radians(3.0)
 
@@ -56,22 +49,53 @@ class Search:
 
 
 def search(image: CorrectedImage, scene: Scene, carm: CArm) -> Search:
-    """A quick search; a thorough one where that finds no solution, or a ring that the solution leaves over (H07)."""
-    quick = _search(image, scene, carm, QUICK)
-    if isinstance(quick.outcome, Refusal):
-        return quick if quick.outcome.code in _FINAL else _search(image, scene, carm, THOROUGH, quick.passed)
-    left_over = [ring.ellipse for ring in quick.candidates.rings if ring.support > _RING_SUPPORT]
-    if any(_is_beside((ring,), quick.outcome) for ring in left_over):
-        return _search(image, scene, carm, THOROUGH, quick.passed)
-    return quick
+    """A quick search, a thorough one where that finds no solution; then one for the guide of a ring left over (H07)."""
+    found = _search(image, scene, carm, QUICK)
+    if isinstance(found.outcome, Refusal) and found.outcome.code not in _FINAL:
+        found = _search(image, scene, carm, THOROUGH, found.passed)
+    return found if isinstance(found.outcome, Refusal) else _with_others(found, found.outcome, scene, image)
 
 
 def _search(image: CorrectedImage, scene: Scene, carm: CArm, effort: Effort, known: Sequence[Attempt] = ()) -> Search:
     """One search; a first view that lies on a guide known from another search is not refined to it once more."""
-    candidates = find_candidates(image, scene.guide, carm, scene.priors, effort)
+    return _tried(find_candidates(image, scene.guide, carm, scene.priors, effort), [], known, scene, image)
+
+
+def _with_others(found: Search, solution: Solution, scene: Scene, image: CorrectedImage) -> Search:
+    """The search gone on for another guide where the solution leaves a clear ring over."""
+    rings, left = rings_left(found.candidates, sample_wires(solution.fit.view, solution.fit.guide).points)
+    beside = _clear_beside(rings, solution)
+    if not beside:
+        return found
+    others = completed(found.candidates, beside, left, scene.guide, scene.priors)
+    return found if isinstance(others.pairs, Refusal) else _tried(others, found.attempts, found.passed, scene, image)
+
+
+def _clear_beside(rings: list[RingCandidate], solution: Solution) -> list[RingCandidate]:
+    """Rings that are clearly there and none of the solution's, each once."""
+    beside: list[RingCandidate] = []
+    for ring in rings:
+        known = any(is_one_ring(ring.ellipse, other.ellipse) for other in beside)
+        if (
+            not known
+            and ring.support > _RING_SUPPORT
+            and is_beside((ring.ellipse,), solution.fit.view, solution.fit.guide)
+        ):
+            beside.append(ring)
+    return beside
+
+
+def _tried(
+    candidates: Candidates,
+    attempts: Sequence[Attempt],
+    known: Sequence[Attempt],
+    scene: Scene,
+    image: CorrectedImage,
+) -> Search:
+    """What becomes of candidates, beside earlier attempts."""
     if isinstance(candidates.pairs, Refusal):
         return Search(candidates, [], [], candidates.pairs)
-    attempts: list[Attempt] = []
+    attempts = list(attempts)
     for pair in candidates.pairs:
         if not any(_is_remnant(pair, attempt.outcome) for attempt in attempts):
             firsts = first_views(pair, scene.guide, candidates.directions, scene.reader)
@@ -88,11 +112,11 @@ def _sees_other_guide(pairs: list[RingView], attempts: list[Attempt], solution: 
     """Whether both rings of another guide are clearly there, found or fitted, whatever became of its line and bead."""
     found = [(pair.rings.small, pair.rings.big) for pair in pairs if min(pair.supports) > _HARDLY_THERE]
     fitted = [
-        _rings_of(attempt.last.fit.view, attempt.last.fit.guide)
+        rings_of(attempt.last.fit.view, attempt.last.fit.guide)
         for attempt in attempts
         if attempt.last and _holds_both_rings(attempt.last)
     ]
-    return any(_is_beside(rings, solution) for rings in (*found, *fitted))
+    return any(is_beside(rings, solution.fit.view, solution.fit.guide) for rings in (*found, *fitted))
 
 
 def _holds_both_rings(fitted: Round) -> bool:
@@ -101,54 +125,25 @@ def _holds_both_rings(fitted: Round) -> bool:
     return (refusal or gates.check_residual(fitted.fit)) is None
 
 
-def _is_beside(rings: Iterable[Ellipse], solution: Solution) -> bool:
-    """Whether no ring is one of the solution's."""
-    both = itertools.product(rings, _rings_of(solution.fit.view, solution.fit.guide))
-    return not any(_one_ring(ring, own, _BESIDE_RING) for ring, own in both)
-
-
 def _is_remnant(pair: RingView, outcome: Solution | Refusal) -> bool:
     """Whether a pair is made of one ring of a guide that passed and of another that is hardly there."""
     if isinstance(outcome, Refusal) or min(pair.supports) > _HARDLY_THERE:
         return False
-    both = itertools.product((pair.rings.small, pair.rings.big), _rings_of(outcome.fit.view, outcome.fit.guide))
-    return any(_one_ring(found, ring) for found, ring in both)
-
-
-def _rings_of(view: View, guide: Guide) -> tuple[Ellipse, ...]:
-    """The ellipses of a guide's rings in a view."""
-    conics = (
-        ring_conic(view, guide.small_ring_radius_mm, 0.0),
-        ring_conic(view, guide.big_ring_radius_mm, -guide.separation_mm),
-    )
-    return tuple(ellipse for ellipse in map(ellipse_from_conic, conics) if ellipse is not None)
-
-
-def _one_ring(one: Ellipse, other: Ellipse, within: float = _ONE_RING_WITHIN) -> bool:
-    apart = np.abs(np.subtract(one.centre_px + one.semi_axes_px, other.centre_px + other.semi_axes_px))
-    return bool(apart.max() < within * other.semi_axes_px[0])
+    both = itertools.product((pair.rings.small, pair.rings.big), rings_of(outcome.fit.view, outcome.fit.guide))
+    return any(is_one_ring(found, ring) for found, ring in both)
 
 
 def _known(first: FirstView, known: Sequence[Attempt], guide: Guide) -> Attempt | None:
     """The attempt that passed to which a first view would lead again, if any."""
     return next(
-        (one for one in known if isinstance(one.outcome, Solution) and _lies_on(first.view, guide, one.outcome.fit)),
+        (
+            one
+            for one in known
+            if isinstance(one.outcome, Solution)
+            and lies_on(first.view, guide, one.outcome.fit.view, one.outcome.fit.guide)
+        ),
         None,
     )
-
-
-def _lies_on(view: View, guide: Guide, fit: ContourFit) -> bool:
-    """Whether a view's rings and line are those of a fit."""
-    rings, own = _rings_of(view, guide), _rings_of(fit.view, fit.guide)
-    if len(rings) != len(own) or not all(map(_one_ring, rings, own)):
-        return False
-    apart_px = np.abs(_line_ends_px(view, guide) - _line_ends_px(fit.view, fit.guide)).max()
-    return bool(apart_px < _ONE_RING_WITHIN * own[0].semi_axes_px[0])
-
-
-def _line_ends_px(view: View, guide: Guide) -> Array:
-    """Projected ends (2, 2) of the line."""
-    return project(view, np.array([[guide.line_start_mm, 0.0, 0.0], [guide.line_end_mm, 0.0, 0.0]]))
 
 
 def _attempt(first: FirstView, scene: Scene, image: CorrectedImage) -> Attempt:

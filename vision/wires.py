@@ -25,6 +25,12 @@ class Ridge:
     normals: Array
     spacing_px: float
 
+    def beyond(self, places: Array, within_px: float) -> "Ridge":
+        """The points that lie farther than so many pixels from all places (n, 2)."""
+        distance_px, _ = KDTree(places).query(self.points, distance_upper_bound=within_px)
+        away = ~(distance_px <= within_px)
+        return Ridge(self.points[away], self.normals[away], self.spacing_px)
+
 
 def wire_curvature_sigma_px(wire_px: float) -> float:
     """Smoothing that shows wires of about `wire_px` width best: Steger's least is half of it."""

@@ -15,6 +15,7 @@ from vision.devices import CArm, Guide
 from vision.measuring import Scene, find, measure
 from vision.refusal import Refusal, RefusalCode
 from vision.registration import examine
+from vision.ring_likeness import lies_on
 from vision.solution import Solution, solve
 from vision.view_fit import Places
 from vision.xray import XrayImage
@@ -92,9 +93,9 @@ def test_the_same_rings_with_the_line_elsewhere_are_another_view(
     assert findings.search is not None
     assert isinstance(findings.search.outcome, Solution)
     fit = findings.search.outcome.fit
-    assert search._lies_on(fit.view, fit.guide, fit)
+    assert lies_on(fit.view, fit.guide, fit.view, fit.guide)
     turned = fit.view.source_from_guide @ np.diag((-1.0, -1.0, 1.0, 1.0))
-    assert not search._lies_on(replace(fit.view, source_from_guide=turned), fit.guide, fit)
+    assert not lies_on(replace(fit.view, source_from_guide=turned), fit.guide, fit.view, fit.guide)
 
 
 def test_a_fit_without_a_finite_step_says_so(
