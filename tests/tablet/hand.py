@@ -8,6 +8,11 @@ from playwright.sync_api import CDPSession, Locator, Page
 
 Point = tuple[float, float]
 _TAP_S = 0.03
+_STEPS = 8
+
+
+class GoneError(AssertionError):
+    """What was to be touched is not on the screen any more."""
 
 
 class Hand:
@@ -15,13 +20,18 @@ class Hand:
 
     def __init__(self, page: Page) -> None:
         self.page = page
-        self._glass: CDPSession = page.context.new_cdp_session(page)
+        self.glass: CDPSession = page.context.new_cdp_session(page)
 
     def tap(self, what: str | Locator, exact: bool = False) -> None:
         """Tap a button by the words on it, or anything by its locator."""
         button = self.page.get_by_role("button", name=what, exact=exact) if isinstance(what, str) else what
         button.first.scroll_into_view_if_needed()
         with self.touching([self.middle_of(button.first)]):
+            time.sleep(_TAP_S)
+
+    def tap_at(self, point: Point) -> None:
+        """Tap anywhere."""
+        with self.touching([point]):
             time.sleep(_TAP_S)
 
     def type(self, digits: str) -> None:
@@ -48,16 +58,46 @@ class Hand:
         """Fingers on the glass, besides none."""
         self._send("touchStart", fingers)
 
+    def move(self, fingers: list[Point]) -> None:
+        """The fingers that are down, elsewhere."""
+        self._send("touchMove", fingers)
+
     def lift(self) -> None:
         """All fingers up."""
         self._send("touchEnd", [])
 
+    def cancel(self) -> None:
+        """The system takes the touch away, as for a call."""
+        self._send("touchCancel", [])
+
+    def drag(self, start: Point, end: Point) -> None:
+        """One finger from here to there."""
+        self.put_down([start])
+        for step in range(1, _STEPS + 1):
+            self.move([_between(start, end, step / _STEPS)])
+        self.lift()
+
+    def pinch(self, middle: Point, factor: float, reach: float = 60.0, shift: Point = (0.0, 0.0)) -> None:
+        """Two fingers about a point, apart by `factor`, their middle shifted meanwhile."""
+        for step in range(_STEPS + 1):
+            share = step / _STEPS
+            spread = reach * (1.0 + (factor - 1.0) * share)
+            x, y = middle[0] + shift[0] * share, middle[1] + shift[1] * share
+            fingers = [(x - spread, y), (x + spread, y)]
+            self.put_down(fingers) if step == 0 else self.move(fingers)
+        self.lift()
+
     def middle_of(self, element: Locator) -> Point:
         """Where a finger would touch it."""
         box = element.bounding_box()
-        assert box is not None, f"{element} is not on the screen"
+        if box is None:
+            raise GoneError(f"{element} is not on the screen")
         return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
     def _send(self, kind: str, fingers: list[Point]) -> None:
         points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(fingers)]
-        self._glass.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        self.glass.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+
+def _between(start: Point, end: Point, share: float) -> Point:
+    return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])

@@ -34,6 +34,20 @@ class Tablet:
         """The one large button of the screen, as soon as it bears these words."""
         self.hand.tap(self.page.locator(".button.is-primary:not([disabled])", has_text=words))
 
+    def take_control(self) -> None:
+        """From nobody, or from whoever has it."""
+        self.hand.tap("Control of the case")
+        self.page.locator(".control.is-yours, .sheet").first.wait_for()
+        if self.page.locator(".sheet").is_visible():
+            self.hand.tap("They hand over to me")
+        self.page.locator(".control.is-yours").wait_for()
+
+    def state_fact(self, words: str) -> None:
+        """Say what is so, as in every state."""
+        self.hand.tap("State a fact")
+        self.hand.tap(words)
+        self.page.locator(".facts").wait_for(state="hidden")
+
     def screen_of(self, pixel_px: Point) -> Point:
         """Where an image pixel is on the glass, by the page's own record of its view and geometry written anew here."""
         box = self.page.locator(".stage-image").first.bounding_box()
@@ -43,6 +57,29 @@ class Tablet:
         offset = complex(pixel_px[0] - u0, pixel_px[1] - v0) * complex(math.cos(angle_rad), math.sin(angle_rad)) * scale
         # the stage has a border of one CSS pixel all around
         return box["x"] + box["width"] / 2 + offset.real, box["y"] + box["height"] / 2 + offset.imag
+
+    def pick(self, pixel_px: Point) -> None:
+        """Tap where this image pixel is shown, and wait for what the service understood."""
+        before = self._told("picked")
+        self.hand.tap_at(self.screen_of(pixel_px))
+        self.page.wait_for_function(
+            "before => document.querySelector('[data-picked]')?.dataset.picked !== before", arg=before
+        )
+        self.page.get_by_role("button", name="Confirm this target").wait_for()
+
+    def picked_px(self) -> Point:
+        """The picked pixel as the screen has it, all its digits."""
+        u_px, v_px = (self._told("picked") or "").split(",")
+        return float(u_px), float(v_px)
+
+    def understood_px(self) -> Point:
+        """The pixel that the service drew back."""
+        u_px, v_px = (self._told("understood") or "").split(",")
+        return float(u_px), float(v_px)
+
+    def _told(self, what: str) -> str | None:
+        shown = self.page.locator(f"[data-{what}]")
+        return shown.get_attribute(f"data-{what}") if shown.count() else None
 
     def strangers(self) -> set[str]:
         """Hosts other than the service's own that were asked for anything."""

@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from service.client import Coaxial
+from service.client import Case
 from simulator.demo.stage import Stage
+from tests.tablet.conftest import PEDICLE
 from tests.tablet.tablet import Tablet
 from tests.tablet.walk import Walk
 
-_PEDICLE = "L3-left"
-# The documentation's pictures are written where this names a folder: `make pictures`.
 _COLOURS = 256  # of a picture: a third of its size, and nothing lost that the eye would miss
+# The documentation's pictures are written where this names a folder: `make pictures`.
 _PICTURES = os.environ.get("COAXIAL_TEST_PICTURES")
 
 
@@ -33,12 +33,7 @@ def look(surgeon: Tablet) -> Callable[[str], None]:
 
 
 @pytest.fixture
-def walk(stage: Stage, surgeon: Tablet, surgeon_client: Coaxial, look: Callable[[str], None]) -> Walk:
-    room, planned = stage.door.room(), {one.name: one for one in stage.door.pedicles()}[_PEDICLE]
-    target = {"name": planned.name, "entry_mm": planned.entry_mm, "target_mm": planned.target_mm}
-    case = surgeon_client.open_case(
-        {"patient_id": room["patient"]["id"], "study_uid": room["study_uid"], "position": "prone", "targets": [target]}
-    )
+def walk(stage: Stage, surgeon: Tablet, case: Case, look: Callable[[str], None]) -> Walk:
     return Walk(surgeon, case, stage.door, stage.people["surgeon"].pin, look)
 
 
@@ -47,11 +42,11 @@ def walk(stage: Stage, surgeon: Tablet, surgeon_client: Coaxial, look: Callable[
 def test_a_whole_procedure_goes_by_touch_alone(walk, surgeon):
     walk.look("cases")
     walk.begin()
-    walk.turn_carm(_PEDICLE)
+    walk.turn_carm(PEDICLE)
     walk.look("carm_positioned")
-    walk.bring_guide_in(_PEDICLE)
+    walk.bring_guide_in(PEDICLE)
     walk.image("Ask for an exposure", "registered")
-    walk.pick(walk.door.pixel_of(_PEDICLE))
+    walk.pick(walk.door.pixel_of(PEDICLE))
     walk.look("registered")
     surgeon.press("Confirm this target")
     _onto_target(walk, surgeon)
@@ -65,8 +60,8 @@ def test_a_whole_procedure_goes_by_touch_alone(walk, surgeon):
     surgeon.hand.tap(surgeon.page.locator(".entry-line button", has_text="An image arrived"))
     surgeon.page.locator(".review-seen canvas").first.wait_for()
     walk.look("review")
-    true = walk.door.true_error(_PEDICLE)
-    assert walk.case.status()["targets"] == {_PEDICLE: "placed"}
+    true = walk.door.true_error(PEDICLE)
+    assert walk.case.status()["targets"] == {PEDICLE: "placed"}
     assert true is not None
 
 

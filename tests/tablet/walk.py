@@ -10,6 +10,7 @@ from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 from service.client import Case
 from simulator.demo.door_client import Door
 from simulator.demo.legs import legs
+from tests.tablet.hand import GoneError
 from tests.tablet.tablet import Tablet
 
 _MOTION_S = 90.0
@@ -35,8 +36,7 @@ class Walk:
         """Into the open case, control taken, the guide stated empty."""
         self.tablet.press("Enter the case")
         self.tablet.is_at("case_open")
-        self.tablet.hand.tap("Control of the case")
-        self.tablet.page.locator(".control.is-yours").wait_for()
+        self.tablet.take_control()
         self.look("case_open")
         self.tablet.hand.tap("State a fact")
         self.look("facts")
@@ -105,8 +105,14 @@ class Walk:
         A crowded machine may lose the hold, as any room may: then it is looked at, acknowledged, planned and held anew.
         """
         for _ in range(_TRIES):
-            plan()
-            ended = self._approve_and_hold(picture)
+            try:
+                plan()
+                ended = self._approve_and_hold(picture)
+            except (PlaywrightTimeoutError, GoneError):
+                if not self._is_held():
+                    raise
+                self._leave_hold()
+                continue
             self.tablet.hand.tap("Understood")
             if ": arrived" in ended:
                 return
@@ -131,11 +137,14 @@ class Walk:
 
     def _leave_hold(self) -> None:
         self.tablet.page.wait_for_timeout(1000)  # the fault is told after the motion's own end
-        if self.tablet.page.locator("main[data-state=safe_hold]").is_visible():
+        if self._is_held():
             self.look("held")
             self.tablet.hand.tap(self.tablet.page.locator(".doing .chip", has_text="empty"))
             self.tablet.press("Acknowledge")
             self.tablet.page.locator("main:not([data-state=safe_hold])").wait_for()
+
+    def _is_held(self) -> bool:
+        return self.tablet.page.locator("main[data-state=safe_hold]").is_visible()
 
     def insert(self) -> None:
         """The arm locked, the sleeve in and out again."""
@@ -156,6 +165,7 @@ class Walk:
     def close(self) -> None:
         """Signed with the PIN."""
         self.tablet.hand.tap("More", exact=True)
+        self.look("more")
         self.tablet.hand.tap("Close the case")
         self.tablet.hand.enter(self.pin)
         self.tablet.is_at("closed")

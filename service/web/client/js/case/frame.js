@@ -7,6 +7,7 @@ import { events, follow, status } from "./live.js";
 import { dropMotion, motion } from "../move/motion.js";
 import { EndedBanner } from "../move/motion_panel.js";
 import { takeControl } from "../parts/control.js";
+import { withdrawQuestion } from "../parts/keypad.js";
 import { Head } from "../parts/head.js";
 import { RefusalBanner } from "../parts/refusing.js";
 import { StopBar } from "../parts/stop.js";
@@ -62,6 +63,7 @@ export function CaseFrame({ id }) {
     // What ended stays to be read; a plan that was not held is void with its state, or with its case.
     const isLost = motion.value?.caseId !== id || OUT_OF_HAND.has(state);
     if (motion.value && !motion.value.ended && isLost) dropMotion();
+    if (OUT_OF_HAND.has(state)) withdrawQuestion();
   }, [state, id]);
   if (!current) return html`<${Head} /><main class="screen"><${Waiting}>${t("connection.reading")}<//></main><${StopBar} />`;
   // A planned motion keeps its screen from the plan to its end: the pressed button must not be taken away.

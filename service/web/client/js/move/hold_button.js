@@ -88,6 +88,7 @@ export function HoldButton({ permitId, lengthMm, onEnded }) {
       ref=${button}
       onPointerDown=${pointerDown}
       onKeyDown=${keyDown}
+      onTouchStart=${noClick}
       onContextMenu=${(/** @type {Event} */ event) => event.preventDefault()}
       aria-pressed=${isHeld}
     >
@@ -99,6 +100,11 @@ export function HoldButton({ permitId, lengthMm, onEnded }) {
       </span>
     </button>
   `;
+}
+
+/** The screen changes under a finger whose motion has ended: lifted, it must not press what came there. */
+function noClick(/** @type {Event} */ event) {
+  event.preventDefault();
 }
 
 /** @param {any} progress */

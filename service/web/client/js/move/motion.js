@@ -28,17 +28,16 @@ export async function plan(kind, goal = {}) {
   motion.value = { ...made, permitId: null, permitUntilMs: 0, ended: null, reason: "" };
 }
 
-/** @param {string} pin */
-export async function approve(pin) {
-  const planned = /** @type {Motion} */ (motion.value);
+/** @param {Motion} planned @param {string} pin */
+export async function approve(planned, pin) {
   const told = await send("move_approved", { plan_id: planned.planId, pin });
-  if (!told) return false;
+  // What was put away meanwhile, by a fault for one, does not come back.
+  if (!told || motion.value !== planned) return;
   motion.value = {
     ...planned,
     permitId: told.made.permit,
     permitUntilMs: performance.now() + told.detail.life_s * 1000,
   };
-  return true;
 }
 
 /** The button's motion is over, or never began. @param {any} ended @param {string} reason */

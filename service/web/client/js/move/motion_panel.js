@@ -15,7 +15,7 @@ export function MotionPanel() {
   return html`
     <h3>${t(`motion.${current.kind}`)}</h3>
     <${PlanWords} plan=${current.plan} />
-    ${current.permitId ? html`<${Held} ...${current} />` : html`<${Approval} />`}
+    ${current.permitId ? html`<${Held} ...${current} />` : html`<${Approval} planned=${current} />`}
   `;
 }
 
@@ -46,10 +46,11 @@ export function PlanWords({ plan }) {
   `;
 }
 
-function Approval() {
+/** @param {{planned: import("./motion.js").Motion}} props */
+function Approval({ planned }) {
   const ask = async () => {
     const pin = await askPin(t("pin.approve"));
-    if (pin !== null) await approve(pin);
+    if (pin !== null) await approve(planned, pin);
   };
   return html`
     <div class="actions">

@@ -26,7 +26,7 @@ export function askReason(title, ready) {
 
 /** @param {any} asked @returns {Promise<string|null>} */
 function ask(asked) {
-  question.value?.answer(null);
+  withdrawQuestion();
   return new Promise((resolve) => {
     const answer = (/** @type {string|null} */ text) => {
       question.value = null;
@@ -34,6 +34,11 @@ function ask(asked) {
     };
     question.value = { ...asked, answer };
   });
+}
+
+/** Put the question away unanswered: what it was asked for is over. */
+export function withdrawQuestion() {
+  question.value?.answer(null);
 }
 
 export function Question() {
