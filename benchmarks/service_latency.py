@@ -22,10 +22,9 @@ from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 
-import httpx
 import numpy as np
 
-from service.client import Case
+from coaxial_client import Case, NoAnswer
 from simulator.demo.imaging import turn_carm
 from simulator.demo.patience import HELD, leave_hold, patiently
 from simulator.demo.procedure import open_case
@@ -56,7 +55,7 @@ class Tablet:
                 with self._news:
                     self._shown_at_s[int(event["sequence"])] = time.time()
                     self._news.notify_all()
-        except httpx.HTTPError:  # the service ends before its clients
+        except NoAnswer:  # the service ends before its clients
             return
 
     def shown_at_s(self, sequence: int) -> float:

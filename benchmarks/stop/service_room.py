@@ -11,8 +11,8 @@ import numpy as np
 from benchmarks.stop.jitter import jittering
 from benchmarks.stop.results import Trial
 from benchmarks.stop.wire import first_stop_ms
+from coaxial_client import Coaxial, Refused
 from service.auth.permissions import Role
-from service.client import Coaxial, Refused
 from simulator.controller import ControllerProcess, ControllerSettings, Payload, free_loopback_address
 from tests.databases import SqliteFiles
 from tests.system.carm import CArm

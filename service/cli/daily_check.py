@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 if TYPE_CHECKING:
-    from service.client import Coaxial
+    from coaxial_client import Coaxial
 
 daily_check = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 
@@ -27,9 +27,7 @@ def daily_check_command(
     wait_s: Annotated[float, typer.Option(min=1.0, help="How long to wait for the image.")] = 300.0,
 ) -> None:
     """Check the room: bring the guide into the beam first, and let the arm rest."""
-    import httpx
-
-    from service.client import Coaxial, Refused
+    from coaxial_client import Coaxial, NoAnswer, Refused
 
     password = os.environ.get("COAXIAL_PASSWORD") or typer.prompt("Password", hide_input=True)
     try:
@@ -38,7 +36,7 @@ def daily_check_command(
             passed = _check(room, wait_s)
     except Refused as error:
         _end(f"{error.code}: {error.detail}. {error.what_to_do}")
-    except httpx.HTTPError as error:
+    except NoAnswer as error:
         _end(f"the service at {url} does not answer: {error}")
     if not passed:
         raise typer.Exit(_FAILED)

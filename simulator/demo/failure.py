@@ -4,7 +4,7 @@ from typing import Any
 
 import httpx
 
-from service.client import HoldEnded, Refused
+from coaxial_client import HoldEnded, NoAnswer, Refused
 
 
 class DemoFailed(Exception):  # noqa: N818  it names what happened, as the line that is printed does
@@ -38,12 +38,14 @@ def measured(verdict: dict[str, Any]) -> str:
     return f"measured {_short(verdict['measured'])}, limit {_short(verdict['limit'])}"
 
 
-def explain(error: DemoFailed | Refused | httpx.HTTPError | TimeoutError) -> str:
+def explain(error: DemoFailed | Refused | NoAnswer | httpx.HTTPError | TimeoutError) -> str:
     """One line: code, text, measured value and limit, what to do."""
     match error:
         case Refused():
             reasons = failed_verdicts(error.verdicts)
             return f"{error.code}: {reasons or error.detail}. {error.what_to_do}".rstrip(".")
+        case NoAnswer():
+            return f"no_answer: {error}"
         case httpx.HTTPError():
             return f"no_answer: {type(error).__name__} {error}"
         case TimeoutError():

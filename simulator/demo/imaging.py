@@ -1,6 +1,6 @@
 """The radiographer's part: the C-arm turned and confirmed, exposures requested and made."""
 
-from service.client import Case
+from coaxial_client import Case
 from simulator.demo.failure import DemoFailed, SeenToMoveError, measured
 from simulator.demo.patience import HELD, leave_hold, patiently
 from simulator.demo.team import Team

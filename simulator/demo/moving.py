@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from service.client import HoldEnded
+from coaxial_client import HoldEnded
 from simulator.demo.failure import failed_motion
 from simulator.demo.patience import patiently
 from simulator.demo.results import Moved

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-from service.client import Refused
+from coaxial_client import Refused
 from simulator.demo.failure import DemoFailed
 from simulator.demo.team import Team
 

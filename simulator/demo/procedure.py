@@ -4,7 +4,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 
-from service.client import Case, Coaxial
+from coaxial_client import Case, Coaxial
 from simulator.demo.door_client import PlannedPedicle
 from simulator.demo.failure import DemoFailed
 from simulator.demo.results import TargetResult

@@ -11,7 +11,7 @@ from types import FrameType
 import httpx
 from rich.console import Console
 
-from service.client import Refused
+from coaxial_client import NoAnswer, Refused
 from simulator.demo.door_client import PlannedPedicle
 from simulator.demo.failure import DemoFailed, explain
 from simulator.demo.procedure import run_case
@@ -50,7 +50,7 @@ def run(wanted: Wanted) -> int:
     try:
         with open_stage(folder, wanted.port, wanted.truth, teller) as stage:
             _stay(stage, console) if wanted.stay else _place_all(stage, wanted, teller)
-    except (DemoFailed, Refused, httpx.HTTPError, TimeoutError) as error:
+    except (DemoFailed, Refused, NoAnswer, httpx.HTTPError, TimeoutError) as error:
         _say_failed(f"{teller.about}: {explain(error)}. Logs: {folder}")
         return _FAILED
     except KeyboardInterrupt:
@@ -75,7 +75,7 @@ def _place_all(stage: Stage, wanted: Wanted, teller: Teller) -> None:
     try:
         for result in run_case(stage, pedicles, teller):
             results.append(result)
-    except (httpx.HTTPError, TimeoutError):
+    except (NoAnswer, httpx.HTTPError, TimeoutError):
         stage.check_alive(_GONE_WITHIN_S)  # a process that is gone explains more than an answer that did not come
         raise
     finally:

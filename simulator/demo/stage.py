@@ -7,7 +7,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from service.client import Coaxial
+from coaxial_client import Coaxial
 from simulator.controller import free_loopback_address
 from simulator.demo.child import Child, clean_environment, coaxial
 from simulator.demo.door_client import Door

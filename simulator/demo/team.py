@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from service.client import Case
+from coaxial_client import Case
 from simulator.demo.door_client import Door
 from simulator.demo.telling import Teller
 

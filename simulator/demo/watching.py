@@ -1,13 +1,12 @@
-"""Waiting for what the service observes: the newest events of a case, read until one of the wanted is there."""
+"""Waiting for what the service observes: the events of a case, followed until one of the wanted is there."""
 
 import time
 from typing import Any
 
-from service.client import Case
+from coaxial_client import Case
 from simulator.demo.failure import DemoFailed, failed_verdicts
 
 Json = dict[str, Any]
-_LOOK_EVERY_S = 0.05
 _HELD = "safe_hold"
 _IN_USE = (3, 4)  # the table's rows for an image that was asked for
 
@@ -20,16 +19,15 @@ def await_event(case: Case, after: int, wanted: tuple[str, ...], timeout_s: floa
     """
     in_use = False
     end_s = time.monotonic() + timeout_s
-    while time.monotonic() < end_s:
-        for event in case.room.get_list(f"/cases/{case.id}/audit?after={after}"):
+    try:
+        while (event := case.await_event(after=after, timeout_s=end_s - time.monotonic()))["trigger"] not in wanted:
             after = event["sequence"]
-            if event["trigger"] in wanted:
-                return event
             in_use = in_use or _takes_image(case, event)
             if event["state"] == _HELD and not in_use:
-                raise DemoFailed(str(event["case_state"].get("held_for")), f"the case is held since {event['trigger']}")
-        time.sleep(_LOOK_EVERY_S)
-    raise DemoFailed("nothing_came", f"no {' or '.join(wanted)} within {timeout_s:g} s")
+                raise DemoFailed(str(case.status()["held_for"]), f"the case is held since {event['trigger']}")
+    except TimeoutError:
+        raise DemoFailed("nothing_came", f"no {' or '.join(wanted)} within {timeout_s:g} s") from None
+    return event
 
 
 def why(case: Case, trigger: str) -> str:

@@ -9,8 +9,8 @@ from uuid import uuid4
 import httpx
 import pytest
 
+from coaxial_client import Case, Coaxial, Refused
 from service.auth.permissions import Role
-from service.client import Case, Coaxial, Refused
 from service.conductor.routers import CONDUCTOR_ROUTERS
 from workflow.triggers import Kind, Trigger
 
@@ -125,15 +125,11 @@ def test_an_unknown_case_is_not_found_and_the_attempt_is_remembered(case) -> Non
 
 @pytest.mark.hazard("H09")
 @pytest.mark.parametrize("number", ["NaN", "Infinity", "1e9"])
-def test_a_number_that_is_none_or_implausible_is_refused_by_its_field(case, number) -> None:
+def test_a_number_that_is_none_or_implausible_is_refused_by_its_field(case, running, number) -> None:
     body = f'{{"image_id": "x", "pixel_px": [{number}, 5], "space": "raw"}}'
-    path = f"/api/cases/{case.id}/target-echo"
-    token = case.room._token
-    answer = httpx.post(
-        case.room._url + path,
-        content=body,
-        headers={"Authorization": f"Bearer {token}", "Content-Type": "application/json"},
-    )
+    with running.client(Role.SURGEON) as client:
+        path, headers = f"/cases/{case.id}/target-echo", {"Content-Type": "application/json"}
+        answer = client.post(path, content=body, headers=headers)
     assert (answer.status_code, answer.json()["code"]) == (422, "malformed_request")
     assert "pixel_px" in answer.text
 
@@ -221,7 +217,7 @@ def test_a_hold_from_another_site_is_refused(running, case) -> None:
     from websockets.sync.client import connect
 
     url = f"{running.url.replace('http', 'ws', 1)}/api/cases/{case.id}/hold?permit=p"
-    headers = {"Authorization": f"Bearer {case.room._token}", "Origin": "https://elsewhere.example"}
+    headers = {"Authorization": f"Bearer {running.tokens[Role.SURGEON]}", "Origin": "https://elsewhere.example"}
     with pytest.raises(InvalidStatus) as caught, connect(url, additional_headers=headers):
         pass
     assert caught.value.response.status_code == 403

@@ -2,8 +2,8 @@
 
 import pytest
 
+from coaxial_client import Coaxial, Refused
 from service.auth.permissions import Role
-from service.client import Coaxial, Refused
 from service.settings import ProcedureLimits
 
 _CASE = {

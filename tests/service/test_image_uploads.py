@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from coaxial_client import Case, Coaxial, Refused
 from service.auth.permissions import Role
-from service.client import Case, Coaxial, Refused
 
 _CASE = {
     "patient_id": "P1",

@@ -4,7 +4,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from service.client import Coaxial, Refused
+from coaxial_client import Coaxial, Refused
 from service.database.engines import open_database
 from service.database.room_claim import room_claim
 from service.errors import ErrorCode, ServiceError

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from argon2 import PasswordHasher
 
+from coaxial_client import Case, Coaxial
 from service.auth.permissions import Role
 from service.auth.users import UserStore
-from service.client import Case, Coaxial
 from service.database.engines import open_database
 from simulator.controller import ControllerProcess, ControllerSettings, Payload, free_loopback_address
 from tests.databases import Databases

@@ -7,7 +7,7 @@ import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from service.client import Coaxial
+from coaxial_client import Coaxial
 
 PASSWORD, PIN = "correct horse", "2468"
 _COAXIAL = [sys.executable, "-c", "from service.cli.main import main; main()"]

@@ -12,7 +12,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from service.client import Coaxial
+from coaxial_client import Coaxial
 
 _COAXIAL = str(Path(sys.executable).with_name("coaxial"))
 _UP = re.compile(r"service (http://\S+), room (http://\S+), arm (\S+)")

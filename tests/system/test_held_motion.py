@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.client import Refused
+from coaxial_client import Refused
 from simulator.controller import Fault, Payload
 from tests.system.service_process import PIN
 from tests.system.walk import lifting

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from service.client import Refused
+from coaxial_client import Refused
 from simulator.controller import Fault
 from tests.system.service_process import PIN
 

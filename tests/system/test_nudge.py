@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from service.client import Refused
+from coaxial_client import Refused
 from simulator.carm.guide import ALL_PARTS, GuideShape, Part
 from tests.system.carm import CArm
 from tests.system.conftest import CASE, DEVICES, prepare

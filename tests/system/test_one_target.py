@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.client import Refused
+from coaxial_client import Refused
 
 
 @pytest.mark.timeout(300)

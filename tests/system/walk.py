@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from service.client import Case
-from service.client_hold import Hold
+from coaxial_client import Case, Hold
 from simulator.controller import ControllerProcess
 from tests.system.carm import CArm
 from tests.system.service_process import PIN

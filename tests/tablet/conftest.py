@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser, ConsoleMessage, Request, sync_playwright
 from rich.console import Console
 
-from service.client import Case
+from coaxial_client import Case
 from simulator.demo.stage import Stage, open_stage
 from simulator.demo.telling import Teller
 from tests.tablet.hand import Hand

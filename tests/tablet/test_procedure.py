@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from service.client import Case
+from coaxial_client import Case
 from simulator.demo.stage import Stage
 from tests.tablet.conftest import PEDICLE
 from tests.tablet.tablet import Tablet

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
-from service.client import Case
+from coaxial_client import Case
 from simulator.demo.door_client import Door
 from simulator.demo.legs import legs
 from tests.tablet.hand import GoneError

@@ -9,11 +9,11 @@ import rfc8785
 import sqlalchemy as sa
 
 import service
+from coaxial_client import Coaxial
 from service.audit import record_audit
 from service.auth.permissions import Role
 from service.cases import store
 from service.cases.records import NewCase, NewEvent
-from service.client import Coaxial
 from service.database import tables
 from service.ledger.checkpoints import CHECKPOINT_EVERY, sign_head
 from service.ledger.entries import head_of

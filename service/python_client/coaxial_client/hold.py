@@ -1,6 +1,7 @@
 """The held button as a scripted client presses it: heartbeats from a thread, each echoing the newest challenge."""
 
 import json
+import ssl
 import threading
 import time
 from collections.abc import Callable
@@ -9,37 +10,49 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Self
 
-from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.sync.client import connect
+from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus
+from websockets.sync.client import ClientConnection, connect
 
-from service.client_refused import Refused
+from coaxial_client.answers import NoAnswer, Refused
 
 HEARTBEAT_S = 0.05
+_OPENED_WITHIN_S = 10.0
+_ENDED_WITHIN_S = 5.0  # of letting go; the arm itself has stopped long before
+
+
+@dataclass(frozen=True, slots=True)
+class Button:
+    """Where a button is to be held, who holds it, and for how long at most."""
+
+    url: str
+    token: str
+    tls: ssl.SSLContext | None
+    longest_s: float
 
 
 @dataclass(frozen=True, slots=True)
 class HoldEnded:
     """How the motion ended: the cause that was observed, where the case stands, and how far from the goal."""
 
-    cause: str
+    cause: str  # arrived, released, stopped, heartbeat_lost, ...
     state: str
     version: int
     distance_mm: float | None
     angle_deg: float | None
-    problem: dict[str, Any] | None
+    problem: dict[str, Any] | None  # where the start was refused
 
 
 class Hold:
-    """A pressed button; leaving the context lets go.
+    """A pressed button: entering the context presses it, and leaving the context lets go, whatever the reason.
 
-    Nothing is sent without a challenge that the guard made, and nothing is sent by anything but this thread: if the
-    program that holds is stuck, so is the thread's process, and the arm stops.
+    Nothing is sent without a challenge that the guard made. A program that ends, is killed or loses its network is
+    silent, and silence stops the arm; one that is merely stuck inside the context lets go after the longest time.
+    A motion that has ended is never resumed.
     """
 
-    def __init__(self, url: str, token: str, on_ended: Callable[[HoldEnded], None]) -> None:
-        self._url = url
+    def __init__(self, button: Button, on_ended: Callable[[HoldEnded], None]) -> None:
+        self._button = button
         self._on_ended = on_ended
-        self._token = token
         self._open = ExitStack()
         self._threads: list[threading.Thread] = []
         self._lock = threading.Lock()
@@ -52,25 +65,27 @@ class Hold:
         self.progress: dict[str, Any] = {}
 
     def __enter__(self) -> Self:
-        headers = {"Authorization": f"Bearer {self._token}"}
+        self._connection = self._open.enter_context(_connected(self._button))
         try:
-            opening = connect(self._url, additional_headers=headers, open_timeout=10, ping_interval=None)
-            self._connection = self._open.enter_context(opening)
-        except InvalidStatus as refusal:
-            raise Refused.from_body(refusal.response.status_code, refusal.response.body or b"") from None
-        for run in (self._listen, self._beat):
-            self._threads.append(threading.Thread(target=run, daemon=True))
-            self._threads[-1].start()
+            for run in (self._listen, self._beat):
+                self._threads.append(threading.Thread(target=run, daemon=True))
+                self._threads[-1].start()
+        except BaseException:  # an interrupt between the two must not leave a button pressed
+            self._let_go()
+            raise
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._let_go()
+
+    def _let_go(self) -> None:
         if not self._over.is_set():
             self.release()
-            self._over.wait(5.0)
+            self._over.wait(_ENDED_WITHIN_S)
         self._over.set()
         self._open.close()
         for thread in self._threads:
-            thread.join(5.0)
+            thread.join(_ENDED_WITHIN_S)
 
     @property
     def is_over(self) -> bool:
@@ -87,14 +102,28 @@ class Hold:
         self._silent = True
 
     def wait(self, timeout_s: float) -> HoldEnded:
-        """Hold until the motion is over; TimeoutError after `timeout_s`."""
-        if not self._over.wait(timeout_s) or self._ended is None:
+        """Hold until the motion is over, wherever it ended.
+
+        Raises
+        ------
+        TimeoutError
+            It is not over after `timeout_s`; leaving the context stops it.
+        NoAnswer
+            The connection broke, which stops the arm.
+        """
+        if not self._over.wait(timeout_s):
             raise TimeoutError(f"the motion did not end within {timeout_s} s")
+        if self._ended is None:
+            raise NoAnswer("the connection of the held button broke: silence stops the arm")
         return self._ended
 
     def _beat(self) -> None:
         due_s = time.monotonic()
+        end_s = due_s + self._button.longest_s
         while not self._over.is_set() and self._held and not self._silent:
+            if due_s > end_s:
+                self.release()
+                return
             self._send()
             due_s += HEARTBEAT_S
             self._over.wait(max(0.0, due_s - time.monotonic()))
@@ -134,3 +163,20 @@ class Hold:
         )
         self._on_ended(self._ended)
         self._over.set()
+
+
+def _connected(button: Button) -> ClientConnection:
+    headers = {"Authorization": f"Bearer {button.token}"}
+    try:
+        return connect(
+            button.url,
+            ssl=button.tls,
+            additional_headers=headers,
+            open_timeout=_OPENED_WITHIN_S,
+            ping_interval=None,
+            proxy=None,
+        )
+    except InvalidStatus as refusal:
+        raise Refused.from_body(refusal.response.status_code, refusal.response.body or b"") from None
+    except (OSError, InvalidHandshake) as error:
+        raise NoAnswer(f"the held button: {type(error).__name__} {error}") from error
