@@ -4,7 +4,6 @@ import os
 import signal
 import sys
 import time
-from contextlib import suppress
 from enum import Enum
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -18,11 +17,12 @@ from robot.guard.journal import Journal
 from robot.guard.lines import decode_command
 from robot.guard.messages import Phase, ReleasePendant, Stop
 from robot.guard.outbox import Outbox
+from robot.guard.parent import end_with_parent
+from robot.guard.precedence import take_precedence
 from robot.ur5 import UR5
 
 _TURN_S = 0.003  # longest pause between two looks at the arm, whose cycle is 8 ms (CB3) or 2 ms
 _SWITCH_S = 0.0005  # the interpreter's threads take turns quickly, so that a stop does not wait for a status
-_NICENESS = -10
 _AT_REST = (Phase.IDLE, Phase.HELD)
 
 
@@ -37,12 +37,14 @@ def run(arm_address: str, journal_folder: Path) -> None:
     """Guard one arm until the parent is gone or the arm's library stuck, and the arm at rest; or the link broken."""
     outbox = Outbox(_take_stdout())
     sys.setswitchinterval(_SWITCH_S)
-    _take_precedence()
+    take_precedence(passed_on=True)  # the arm's library reads in threads of its own
     journal = Journal(journal_folder)
     arm = UR5(arm_address)
     guard = Guard(arm, journal, outbox.put)
     inbox: _Inbox = SimpleQueue()
-    _heed_signals(inbox)
+    asked = _heed_signals()
+    end_with_parent()
+    Thread(target=_await_end, args=(asked, guard, inbox), name="end", daemon=True).start()
     Thread(target=_receive, args=(sys.stdin.buffer, guard, inbox), name="commands", daemon=True).start()
     _turn_until_over(guard, inbox, outbox, arm)
     journal.close()
@@ -57,16 +59,21 @@ def _take_stdout() -> int:
     return events
 
 
-def _take_precedence() -> None:
-    """Run before image work that keeps every core busy (H32), where the system lets us."""
-    with suppress(PermissionError):
-        os.setpriority(os.PRIO_PROCESS, 0, _NICENESS)
-
-
-def _heed_signals(inbox: _Inbox) -> None:
-    """A terminal's interrupt is the service's affair; being asked to end is like losing the parent."""
+def _heed_signals() -> int:
+    """A pipe that has something to read once this process is asked to end; a terminal's interrupt is ignored."""
+    asked, ask = os.pipe()
+    os.set_blocking(ask, False)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, lambda *_: inbox.put(_Parent.GONE))
+    signal.signal(signal.SIGTERM, lambda *_: None)
+    signal.set_wakeup_fd(ask)
+    return asked
+
+
+def _await_end(asked: int, guard: Guard, inbox: _Inbox) -> None:
+    """Being asked to end is like losing the parent, and how the system tells that it is lost."""
+    os.read(asked, 1)
+    guard.stop_now("asked to end")
+    inbox.put(_Parent.GONE)
 
 
 def _receive(lines: BinaryIO, guard: Guard, inbox: _Inbox) -> None:

@@ -4,15 +4,17 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
+from robot.guard.child import GuardChild
 from robot.guard.journal import EVENTS_FILE, read_lines
 from robot.guard.messages import Fault, FaultKind, Phase
-from simulator.controller import ControllerProcess
+from simulator.controller import ControllerProcess, free_loopback_address
 
 pytestmark = pytest.mark.real_time
 
@@ -88,6 +90,22 @@ def test_killed_service_stops_the_arm_at_once_and_the_guard_goes(
     until(lambda: not is_alive(parent.guard_id), 3.0)
     ended = read_lines(tmp_path / EVENTS_FILE)[-1]
     assert (ended["type"], ended["cause"], ended["at_rest"]) == ("motion_ended", "parent_lost", True)
+
+
+@pytest.mark.hazard("H17")
+def test_guard_goes_with_the_thread_that_started_it_before_any_pipe_closes(tmp_path: Path) -> None:
+    started: list[GuardChild] = []
+
+    def start() -> None:
+        started.append(GuardChild(free_loopback_address(), tmp_path))
+        assert started[0].read(15.0)
+
+    starting = threading.Thread(target=start)
+    starting.start()
+    starting.join()
+    [child] = started
+    until(lambda: child.read(0.1) is None, 5.0)
+    child.end(at_once=True)
 
 
 @pytest.mark.hazard("H20")
