@@ -1,4 +1,4 @@
-"""The service's death as the kernel tells it: long before the pipe closes."""
+"""The service's death as the kernel tells it: long before the pipe closes (H17)."""
 
 import ctypes
 import signal

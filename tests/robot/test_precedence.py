@@ -6,6 +6,8 @@ import pytest
 
 from robot.guard.precedence import take_precedence
 
+pytestmark = pytest.mark.hazard("H32")
+
 
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, tuple]:
