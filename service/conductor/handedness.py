@@ -20,6 +20,8 @@ if TYPE_CHECKING:  # the conductor keeps what was proved
 
 Json = dict[str, Any]
 UNPROVED = "handedness_unproved"
+# From one of these to the next the C-arm stands: a raw pixel of one image is the same place in every other.
+NEW_VIEW = (Trigger.CARM_POSITION_CONFIRMED, Trigger.CARM_MOVED, Trigger.RESTARTED, Trigger.DEVICE_CHANGED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,8 +110,7 @@ def _earlier_of_the_view(connection: Connection, case_id: str, image_id: str) ->
     """Images for registration since the C-arm was last said to stand or to have moved, the newest first."""
     events = tables.events
     in_case = events.c.case_id == case_id
-    views = (Trigger.CARM_POSITION_CONFIRMED, Trigger.CARM_MOVED, Trigger.RESTARTED, Trigger.DEVICE_CHANGED)
-    newest_view = sa.select(sa.func.max(events.c.sequence)).where(in_case, events.c.trigger.in_(views))
+    newest_view = sa.select(sa.func.max(events.c.sequence)).where(in_case, events.c.trigger.in_(NEW_VIEW))
     since = connection.execute(newest_view).scalar() or 0
     arrived = sa.select(events.c.data).where(
         in_case, events.c.trigger == Trigger.IMAGE_ARRIVED, events.c.sequence > since

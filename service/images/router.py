@@ -23,7 +23,7 @@ PartsOfRoom = Annotated[Parts, Depends(parts_of)]
 
 
 class ImageView(BaseModel):
-    """An image without its bytes; `purpose` is null while nobody has decided."""
+    """An image without its bytes; `purpose` is null while nobody has decided, `refused_by` says why it is no other."""
 
     id: str
     position: int
@@ -39,6 +39,7 @@ class ImageView(BaseModel):
     received_at: str
     purpose: str | None
     case_id: str | None
+    refused_by: list[dict[str, Any]]
 
 
 @router.get("/images")
@@ -84,4 +85,5 @@ def _view(connection: Connection, image: StoredImage) -> ImageView:
         **asdict(image),
         purpose=purpose.purpose if purpose else None,
         case_id=purpose.case_id if purpose else None,
+        refused_by=[dict(one) for one in purpose.verdicts if not one["passed"]] if purpose else [],
     )

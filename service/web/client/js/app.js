@@ -4,6 +4,7 @@ import { html } from "../vendor/preact.js";
 import { CaseFrame } from "./case/frame.js";
 import { Question } from "./parts/keypad.js";
 import { StopBar } from "./parts/stop.js";
+import { Images } from "./review/images.js";
 import { Review } from "./review/review.js";
 import { Cases } from "./room/cases.js";
 import { Devices } from "./room/devices.js";
@@ -13,7 +14,7 @@ import { session } from "./session.js";
 import { Locked } from "./room/locked.js";
 import { SignIn } from "./room/sign_in.js";
 
-const PLACES = { cases: Cases, new: NewCase, case: CaseFrame, review: Review, devices: Devices };
+const PLACES = { cases: Cases, new: NewCase, case: CaseFrame, review: Review, images: Images, devices: Devices };
 
 export function App() {
   if (!session.value) return html`<div class="page"><${SignIn} /><${StopBar} /></div>`;

@@ -3,11 +3,13 @@
 import { html, signal } from "../../vendor/preact.js";
 import { askPin, askReason } from "../parts/keypad.js";
 import { EmergencyAccess, Stop } from "../parts/stop.js";
+import { goTo } from "../room/room.js";
 import { session } from "../session.js";
 import { t } from "../words.js";
 import { allowance } from "./allowing.js";
 import { send } from "./commands.js";
 import { Closing } from "./closing.js";
+import { status } from "./live.js";
 
 const FACTS = [
   ["guide_empty", "guide_state_stated", { guide: "empty" }],
@@ -68,6 +70,10 @@ function Pause() {
 }
 
 function More() {
+  const images = () => {
+    open.value = "";
+    goTo("images", status.value.case_id);
+  };
   const note = async () => {
     open.value = "";
     const text = await askReason(t("note.title"), []);
@@ -80,6 +86,7 @@ function More() {
   };
   const may = (/** @type {string} */ permission) => session.value?.permissions.includes(permission);
   return html`<div class="facts">
+    <button class="button" onClick=${images}>${t("images.title")}</button>
     ${may("note") && html`<button class="button" onClick=${note}>${t("note.write")}</button>`}
     ${may("close_case") && html`<${Closing} onDone=${() => (open.value = "")} askPin=${askPin} />`}
     ${may("close_case") && html`<button class="button is-grave" onClick=${abort}>${t("abort.do")}</button>`}

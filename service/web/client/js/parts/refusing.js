@@ -18,11 +18,16 @@ export function Refusing({ trigger }) {
 }
 
 /** @param {any} reason */
-function Reason({ code, message, measured, limit, unit, overridable }) {
+function Reason({ overridable, ...reason }) {
+  return html`<${Why} ...${reason}><${Override} ...${{ code: reason.code, message: reason.message, overridable }} /><//>`;
+}
+
+/** One reason, with what was measured and its limit. @param {any} reason */
+export function Why({ code, message, measured, limit, unit, children }) {
   return html`<li>
     <span>${tOr(`code.${code}`, message)}</span>
     ${measured !== null && measured !== undefined && html`<small>${t("refused.measured", { measured: plain(measured), limit: plain(limit), unit: unit ?? "" })}</small>`}
-    <${Override} ...${{ code, message, overridable }} />
+    ${children}
   </li>`;
 }
 

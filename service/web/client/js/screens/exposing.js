@@ -1,8 +1,10 @@
 /** Asking for an exposure, and waiting for the image that it makes. */
 
 import { html, useEffect, useState } from "../../vendor/preact.js";
+import { useAnswer } from "../case/artefacts.js";
 import { newest, status } from "../case/live.js";
 import { Action, Waiting } from "../parts/controls.js";
+import { NotUsed } from "../review/images.js";
 import { room } from "../room/room.js";
 import { number, t, tOr } from "../words.js";
 
@@ -36,11 +38,17 @@ export function Unusable() {
   const stray = newest("image_arrived");
   const isStray = stray && stray.data.row === 5 && (!refused || stray.sequence > refused.sequence);
   if (isStray && stray.data.problem) return html`<${Why} reason=${stray.data.problem} />`;
-  if (isStray) return html`<p class="warning">${t("exposing.stray")}</p>`;
+  if (isStray) return html`<${Stray} id=${stray.data.image_id} />`;
   if (refused?.trigger === "registration_completed" && refused.state === "carm_positioned") return html`<p class="warning">${t("exposing.gates")}</p>`;
   if (!refused?.data.reason) return null;
   return html`<${Why} reason=${refused.data.reason} />
     ${refused.data.findings_sha256 && html`<details class="findings"><summary>${t("exposing.findings")}</summary><img src=${`/api/images/${refused.data.image_id}/findings`} alt=${t("exposing.findings")} /></details>`}`;
+}
+
+/** An image that was quarantined, or came unasked. @param {{id: string}} props */
+function Stray({ id }) {
+  const image = useAnswer(`/images/${id}`);
+  return image && html`<div class="refusing"><${NotUsed} image=${image} /></div>`;
 }
 
 /** @param {{reason: any}} props */

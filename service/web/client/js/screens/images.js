@@ -1,5 +1,6 @@
 /** Images of the case as its events tell of them. */
 
+import { useMemo } from "../../vendor/preact.js";
 import { newest } from "../case/live.js";
 import { useAnswer } from "../case/artefacts.js";
 
@@ -8,9 +9,10 @@ export function shownImage(current) {
   return current.chain.image ?? newest("registration_refused")?.data.image_id ?? null;
 }
 
-/** Lines over an image; read anew when another target or registration is in force. @param {string} caseId @param {string|null} imageId @param {any} chain */
+/** Lines over an image, where the guide goes only with a target in force; read anew when another is. @param {string} caseId @param {string|null} imageId @param {any} chain */
 export function useOverlay(caseId, imageId, chain) {
   const key = `${chain.registration ?? ""}-${chain.target ?? ""}-${chain.verification ?? ""}`;
   const registered = imageId !== null && (chain.registration || chain.verification);
-  return useAnswer(registered ? `/cases/${caseId}/images/${imageId}/overlay?for=${key}` : null);
+  const found = useAnswer(registered ? `/cases/${caseId}/images/${imageId}/overlay?for=${key}` : null);
+  return useMemo(() => (found && !chain.target ? { ...found, bounds: [], goal: {} } : found), [found, chain.target]);
 }
