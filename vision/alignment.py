@@ -58,12 +58,11 @@ def goal(view: View, pixel_corrected: Array) -> tuple[Array, Array]:
 
 
 def angle_between(start: Array, end: Array) -> Array:
-    """Rotation vector (3,), rad, of the minimal rotation that carries unit `start` onto unit `end`."""
+    """Rotation vectors (..., 3), rad, of the minimal rotations that carry unit `start` onto unit `end`, (..., 3)."""
     normal = np.cross(start, end)
-    sine = float(np.linalg.norm(normal))
-    if sine == 0.0:
-        return np.zeros(3)
-    return np.asarray(normal * (math.atan2(sine, float(start @ end)) / sine))
+    sine = np.linalg.norm(normal, axis=-1, keepdims=True)
+    angle = np.arctan2(sine, (start * end).sum(axis=-1, keepdims=True))
+    return np.asarray(normal * (angle / np.where(sine == 0.0, 1.0, sine)))
 
 
 def target_in_source(view: View, pixel_corrected: Array, guide: Guide, depth_mm: float) -> Array:
@@ -88,11 +87,11 @@ def check_depth(view: View, guide: Guide, depth_mm: float) -> Refusal | None:
 
 
 def angle_vector(axis: Array, ray: Array) -> Array:
-    """Angle error (12) as a rotation vector (3,), rad, from the unit `axis` to the unit `ray`."""
+    """Angle errors (12) as rotation vectors (..., 3), rad, from the unit `axis` to the unit `ray`."""
     return angle_between(axis, ray)
 
 
 def position_vector(on_axis: Array, axis: Array, target: Array) -> Array:
-    """Position error (13) as the vector (3,), mm, from the axis to the target, perpendicular to the unit `axis`."""
+    """Position errors (13) as vectors (..., 3), mm, from the axis to the target, perpendicular to the unit `axis`."""
     offset = target - on_axis
-    return np.asarray(offset - axis * (offset @ axis))
+    return np.asarray(offset - axis * (offset * axis).sum(axis=-1, keepdims=True))

@@ -20,6 +20,7 @@ from vision.refusal import Refusal
 from vision.registered import DEFAULT_DEPTH_MM, Method, PixelSpace, PredictedError, Registration
 from vision.registration import register
 from vision.targeting import locate
+from vision.trust import check_trust_in_files
 from vision.uncertainty import alignment_bounds
 from vision.xray import XrayImage
 
@@ -93,7 +94,8 @@ def evaluate(
     Returns
     -------
     Evaluation or Refusal
-        Any refusal of the registration or of the target.
+        Any refusal of the registration or of the target; `guide_mismatch` where the error hangs on one word of the
+        device files.
     """
     registration = register(image, guide, carm, Method.CONTOUR)
     if isinstance(registration, Refusal):
@@ -111,7 +113,8 @@ def evaluate_registration(
     picked = locate(registration, pixel, space)
     if isinstance(picked, Refusal):
         return picked
-    refused = check_depth(registration.view(), guide, depth_mm)
+    view, here = registration.view(), np.eye(4)
+    refused = check_depth(view, guide, depth_mm) or check_trust_in_files(registration, picked.corrected, depth_mm, here)
     if refused:
         return refused
     image, pixel_size_mm = registration.image, registration.distortion.pixel_size_mm
@@ -124,7 +127,6 @@ def evaluate_registration(
     corrected = paper_errors(centres, nominal, guide, picked.corrected, depth_mm)
     difference = ErrorVectors(contour.angle - corrected.angle, contour.position - corrected.position).magnitudes()
     limit = agreement_limit(contour.magnitudes())
-    view, here = registration.view(), np.eye(4)
     return Evaluation(
         registration=registration,
         contour=contour.magnitudes(),

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
+from vision.alignment import goal
 from vision.contour import ContourFit
 from vision.devices import Guide
 from vision.line_ends import LineEnd
@@ -14,7 +15,7 @@ from vision.projection import View, project
 from vision.refusal import Refusal, RefusalCode
 from vision.registered import DEFAULT_DEPTH_MM, PredictedError
 from vision.strain import Strain
-from vision.uncertainty import aim_errors
+from vision.uncertainty import freed_errors
 from vision.view_fit import Observations
 from vision.wire_model import Wire, WireSamples
 
@@ -85,25 +86,34 @@ def check_trust(fit: ContourFit, guide: Guide) -> Refusal | None:
     ring separation 5 % off, moves the aim by what it would cost.
     """
     pixels = project(fit.view, np.column_stack((_AIMS_MM, np.zeros(len(_AIMS_MM)))))
-    return _check_freed(fit.view, fit.strain, guide, pixels, DEFAULT_DEPTH_MM, (WRONG_RAD, WRONG_MM))
+    freed = [_freed(fit.view, fit.strain, guide, pixel, DEFAULT_DEPTH_MM) for pixel in pixels]
+    return _check_freed(fit.strain, np.max(freed, axis=0), (WRONG_RAD, WRONG_MM))
 
 
-def check_trust_at(view: View, strain: Strain, guide: Guide, pixel: Array, depth_mm: float) -> Refusal | None:
-    """The same at a target's own pixel (2,), where half of that is too much.
+def check_trust_at(
+    view: View, strain: Strain, guide: Guide, pixel: Array, depth_mm: float, guide_from_axis: Array | None = None
+) -> Refusal | None:
+    """The same at a target's own pixel (2,) and depth, where half of that is too much.
 
     What the image makes of a quantity scatters about the truth, so half-way between right and wrong both mistakes are
-    equally rare: to refuse right files, and to accept ones that make the aim wrong.
+    equally rare: to refuse right files, and to accept ones that make the aim wrong. With an axis (4, 4) given it is not
+    the aim that is judged, but what is told of that axis.
     """
-    limits = GREATEST_PREDICTED_RAD, GREATEST_PREDICTED_MM
-    return _check_freed(view, strain, guide, pixel[None], depth_mm, limits)
+    freed = _freed(view, strain, guide, pixel, depth_mm, guide_from_axis)
+    return _check_freed(strain, freed, (GREATEST_PREDICTED_RAD, GREATEST_PREDICTED_MM))
 
 
-def _check_freed(
-    view: View, strain: Strain, guide: Guide, pixels: Array, depth_mm: float, limits: tuple[float, float]
-) -> Refusal | None:
+def _freed(
+    view: View, strain: Strain, guide: Guide, pixel: Array, depth_mm: float, guide_from_axis: Array | None = None
+) -> Array:
+    """By how much the aim, or an axis's error, changes without trust in each of k quantities: rad and mm, (k, 2)."""
+    axis = goal(view, pixel)[0] if guide_from_axis is None else guide_from_axis
+    return freed_errors(view, strain.freed_steps[:, :VIEW_PARAMETERS], guide, pixel, depth_mm, axis)
+
+
+def _check_freed(strain: Strain, freed: Array, limits: tuple[float, float]) -> Refusal | None:
     greatest_rad, greatest_mm = limits
-    worst = aim_errors(view, strain.freed_steps[:, :VIEW_PARAMETERS], guide, pixels, depth_mm).max(axis=1)
-    for name, (angle_rad, position_mm) in zip(strain.names, worst.tolist(), strict=True):
+    for name, (angle_rad, position_mm) in zip(strain.names, freed.tolist(), strict=True):
         if not angle_rad <= greatest_rad:
             message = f"the aim hangs on the file's {name}: without it, it turns (deg)"
             return Refusal(RefusalCode.GUIDE_MISMATCH, message, math.degrees(angle_rad), math.degrees(greatest_rad))

@@ -9,14 +9,12 @@ from numpy.typing import NDArray
 
 from vision.alignment import check_depth, goal, ray_in_source
 from vision.devices import DetectorKind
-from vision.gates import check_aim, check_trust_at
-from vision.priors import Priors
-from vision.projection import View, nominal_intrinsics
+from vision.gates import check_aim
+from vision.projection import View
 from vision.refusal import Refusal, RefusalCode
-from vision.registered import DEFAULT_DEPTH_MM, PixelSpace, PredictedError, Registration, joint_covariance
-from vision.strain import strain
+from vision.registered import DEFAULT_DEPTH_MM, PixelSpace, PredictedError, Registration
+from vision.trust import check_trust_in_files
 from vision.uncertainty import predicted_error
-from vision.wire_model import with_dimensions
 
 Array = NDArray[np.float64]
 
@@ -88,7 +86,7 @@ def target(
     guide_from_goal, rotation_vector = goal(view, picked.corrected)
     rotation_rad = float(np.linalg.norm(rotation_vector))
     predicted = predicted_error(view, registration.covariance, guide, picked.corrected, depth_mm)
-    unsure = check_aim(predicted) or _check_trust(registration, picked.corrected, depth_mm)
+    unsure = check_aim(predicted) or check_trust_in_files(registration, picked.corrected, depth_mm)
     if unsure is not None:
         return unsure
     return Targeting(
@@ -101,19 +99,6 @@ def target(
         rotation_rad=rotation_rad,
         predicted_error_95=predicted,
     )
-
-
-def _check_trust(registration: Registration, pixel: Array, depth_mm: float) -> Refusal | None:
-    """Whether one quantity of the device files decides the aim against the image (H06)."""
-    dimensions, carm, image = registration.dimensions, registration.carm, registration.image
-    if dimensions is None:  # `paper` takes them from the file
-        return None
-    view, guide = registration.view(), registration.guide
-    nominal = nominal_intrinsics(carm, image.rows, image.columns, registration.distortion.pixel_size_mm)
-    priors = Priors.of(carm, guide, nominal)
-    pulls_sd = priors.pulls(view, with_dimensions(guide, *dimensions.values_mm.tolist()))
-    tests = strain(pulls_sd, priors.rows(), joint_covariance(registration.covariance, dimensions))
-    return check_trust_at(view, tests, guide, pixel, depth_mm)
 
 
 def locate(registration: Registration, pixel: tuple[float, float], space: PixelSpace) -> PickedPixel | Refusal:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from vision.alignment import angle_vector, goal, position_vector, ray_in_source, target_in_source
+from vision.alignment import angle_vector, goal, position_vector
 from vision.devices import Guide
 from vision.projection import Intrinsics, View
 from vision.registered import DEFAULT_DEPTH_MM, PredictedError
@@ -81,21 +81,17 @@ def aim_covariance(
     return np.asarray(spread)
 
 
-def aim_errors(view: View, steps: Array, guide: Guide, pixels: Array, depth_mm: float = DEFAULT_DEPTH_MM) -> Array:
-    """How wrong aims by `view` would be, were views some steps away the truth.
+def freed_errors(
+    view: View, steps: Array, guide: Guide, pixel_corrected: Array, depth_mm: float, guide_from_axis: Array
+) -> Array:
+    """By how much the errors of an axis change were views some steps (k, 10) away the truth.
 
-    The steps (k, 10) are parametrised as in `Registration.covariance`, pixels (n, 2) are corrected; the other arguments
-    are those of `predicted_error`. Of each step and pixel the angle in rad and the distance in mm: (k, n, 2).
+    Steps are parametrised as in `Registration.covariance`; the other arguments are those of `alignment_bounds`. Of each
+    step the angle in rad and the distance in mm: (k, 2).
     """
-    goals = [goal(view, pixel)[0] for pixel in pixels]
-    truths = [moved_view(view, step) for step in steps]
-    errors = np.array(
-        [
-            [_error_vectors(truth, guide, pixel, depth_mm, aim) for pixel, aim in zip(pixels, goals, strict=True)]
-            for truth in truths
-        ]
-    )
-    return np.asarray(np.linalg.norm(errors.reshape(*errors.shape[:2], 2, 3), axis=3))
+    around = np.vstack((np.zeros(len(_STEPS)), steps))
+    errors = _error_vectors(view, around, guide, pixel_corrected, depth_mm, guide_from_axis)
+    return np.asarray(np.linalg.norm((errors[1:] - errors[0]).reshape(-1, 2, 3), axis=2))
 
 
 def radius_95(covariance: Array) -> float:
@@ -125,20 +121,28 @@ def _confidence_factor(thinness: float) -> float:
 
 def _jacobian(view: View, guide: Guide, pixel_corrected: Array, depth_mm: float, guide_from_axis: Array) -> Array:
     """(6, 10) derivative of angle (rad) and position (mm) vectors by the parameters of the view."""
-
-    def errors(step: Array) -> Array:
-        return _error_vectors(moved_view(view, step), guide, pixel_corrected, depth_mm, guide_from_axis)
-
-    return np.column_stack([(errors(step) - errors(-step)) / (2.0 * step.max()) for step in np.diag(_STEPS)])
+    steps = np.diag(_STEPS)
+    errors = _error_vectors(view, np.vstack((steps, -steps)), guide, pixel_corrected, depth_mm, guide_from_axis)
+    return np.asarray(((errors[: len(steps)] - errors[len(steps) :]) / (2.0 * _STEPS[:, None])).T)
 
 
-def _error_vectors(view: View, guide: Guide, pixel_corrected: Array, depth_mm: float, guide_from_axis: Array) -> Array:
-    """Angle vector (rad) and position vector (mm), stacked (6,), were `view` the truth."""
-    source_from_axis = view.source_from_guide @ guide_from_axis
-    axis, on_axis = source_from_axis[:3, 2], source_from_axis[:3, 3]
-    target = target_in_source(view, pixel_corrected, guide, depth_mm)
-    angle = angle_vector(axis, ray_in_source(view.intrinsics, pixel_corrected))
-    return np.concatenate((angle, position_vector(on_axis, axis, target)))
+def _error_vectors(
+    view: View, steps: Array, guide: Guide, pixel_corrected: Array, depth_mm: float, guide_from_axis: Array
+) -> Array:
+    """Angle vector (rad) and position vector (mm), stacked (k, 6), were views some steps (k, 10) away the truth.
+
+    Steps are added to the parameters, the pose's on the left in the source frame.
+    """
+    intrinsics, pose = view.intrinsics, view.source_from_guide
+    turned = Rotation.from_rotvec(steps[:, 4:7]).as_matrix() @ pose[:3, :3]
+    translations = pose[:3, 3] + steps[:, 7:]
+    axes, on_axes = turned @ guide_from_axis[:3, 2], turned @ guide_from_axis[:3, 3] + translations
+    alphas = steps[:, :2] + (intrinsics.alpha_x_px, intrinsics.alpha_y_px)
+    across = (pixel_corrected - steps[:, 2:4] - (intrinsics.u0_px, intrinsics.v0_px)) / alphas
+    rays = np.column_stack((across, np.ones(len(steps))))
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    distances_mm = np.linalg.norm(translations, axis=1, keepdims=True) - guide.separation_mm - depth_mm
+    return np.hstack((angle_vector(axes, rays), position_vector(on_axes, axes, rays * distances_mm)))
 
 
 def moved_view(view: View, step: Array) -> View:
