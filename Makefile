@@ -9,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests test-tablet pictures test-postgresql audit-bench bench bench-service bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp interlock-removal format docs lock replay-bench
+.PHONY: help demo run test check tests test-tablet pictures test-postgresql audit-bench bench bench-service bench-senders bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp interlock-removal format docs lock replay-bench
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -64,6 +64,9 @@ bench: $(VENV)/.runtime  ## time register against OpenCV on the images of SAMPLE
 
 bench-service: $(VENV)/.runtime  ## from an image to its registration on a tablet, all cores busy: COUNT=100 images; results kept in FOLDER
 	$(BIN)/python benchmarks/service_latency.py --count $(or $(COUNT),100) --folder $(or $(FOLDER),$(VENV)/service-latency)
+
+bench-senders: $(VENV)/.runtime  ## how long a permit's commit waits while four C-arms send COUNT=100 images each (needs dcmtk); SEED=0
+	$(BIN)/python benchmarks/four_senders.py --count $(or $(COUNT),100) --seed $(or $(SEED),0)
 
 samples: $(VENV)/.runtime  ## register, flip and turn the images of SAMPLES=folder against their truth
 	$(BIN)/python benchmarks/samples.py $(SAMPLES)

@@ -2,12 +2,14 @@
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 
 from service.auth.proofs import Proofs
 from service.auth.sessions import SessionStore
 from service.auth.users import UserStore
 from service.cases.feed import EventFeed
 from service.database.current import current_database
+from service.database.free_space import check_free_space
 from service.database.room_claim import room_claim
 from service.images.arrivals import ImageArrivals
 from service.images.receiver import DicomReceiver
@@ -23,7 +25,8 @@ async def assemble(settings: Settings, claim_reason: str | None = None) -> Async
         arrivals = ImageArrivals()
         users = UserStore(database)
         vision = VisionWorker(settings.vision)
-        with DicomReceiver(settings.dicom, database, arrivals).listening() as dicom_port:
+        check_room = partial(check_free_space, settings.data_folder, settings.min_free_bytes)
+        with DicomReceiver(settings.dicom, database, arrivals, check_room).listening() as dicom_port:
             try:
                 yield Parts(
                     settings=settings,

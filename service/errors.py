@@ -49,6 +49,8 @@ class ErrorCode(StrEnum):
     IMAGE_TRUNCATED = "image_truncated"
     IMAGE_TOO_SMALL = "image_too_small"
     NOT_AN_IMAGE = "not_an_image"
+    SEVERAL_FRAMES = "several_frames"
+    IMAGE_UID_TAKEN = "image_uid_taken"
     MEDIA_TYPE_UNKNOWN = "media_type_unknown"
     IMAGE_NAMED = "image_named"
     IMAGE_TAKEN_IN = "image_taken_in"
@@ -170,6 +172,8 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.IMAGE_TRUNCATED: Answer(422, "Send the image again from the C-arm."),
     ErrorCode.IMAGE_TOO_SMALL: Answer(422, "Send the full image, not a thumbnail."),
     ErrorCode.NOT_AN_IMAGE: Answer(422, "Send an X-ray image with pixel data."),
+    ErrorCode.SEVERAL_FRAMES: Answer(422, "Send the last image of the run as a single frame."),
+    ErrorCode.IMAGE_UID_TAKEN: Answer(409, "Give each image a SOP instance UID of its own, then send it again."),
     ErrorCode.MEDIA_TYPE_UNKNOWN: Answer(415, "Send DICOM, PNG or TIFF, and say which in Content-Type."),
     ErrorCode.IMAGE_NAMED: Answer(409, "Nothing: the image says itself whose it is."),
     ErrorCode.IMAGE_TAKEN_IN: Answer(409, "Read the case again; what became of the image is in its events."),

@@ -17,6 +17,8 @@ from PIL import Image
 from PIL.TiffImagePlugin import TiffImageFile
 from pydicom.pixels import pixel_array
 
+from vision.deflated import inflates_beyond
+from vision.jpeg_extended import add_decoder
 from vision.refusal import Refusal, RefusalCode
 
 LEAST_SIDE_PX = 256  # below it the wires of a 9 inch field are thinner than a pixel
@@ -92,6 +94,8 @@ def decode(data: bytes, frame: int | None = None) -> XrayImage | Refusal:
     if len(data) > GREATEST_BYTES:
         return Refusal(RefusalCode.IMAGE_TOO_LARGE, "the file's size in bytes", len(data), GREATEST_BYTES)
     is_dicom = data[128:132] == _DICOM_MAGIC
+    if is_dicom and inflates_beyond(data, GREATEST_BYTES):
+        return Refusal(RefusalCode.IMAGE_TOO_LARGE, "the file, inflated: its size in bytes", None, GREATEST_BYTES)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # decoders warn of oddities that the checks here decide upon
         stored = _decode_dicom(data, frame) if is_dicom else _decode_picture(data, frame)
@@ -158,6 +162,7 @@ def _dicom_pixels(dataset: Any, frame: int | None) -> _Stored | Refusal:
     chosen = 1 if frame is None else frame
     if (frame is None and frames > 1) or not 1 <= chosen <= frames:
         return Refusal(RefusalCode.UNSUPPORTED_IMAGE, f"choose one of {frames} frames with --frame", frame, frames)
+    add_decoder()
     values = pixel_array(dataset, index=chosen - 1)
     bits = int(dataset.BitsStored)
     if int(dataset.PixelRepresentation):
@@ -173,7 +178,8 @@ def _dense_is_bright(dataset: Any) -> bool:
 
 def _told_pixel_mm(dataset: Any) -> float | None:
     """A pixel's size at the detector: by its spacing, else by the field of view; the greater where it is not square."""
-    if spacing := dataset.get("ImagerPixelSpacing"):
+    spacing = dataset.get("ImagerPixelSpacing")
+    if spacing and max(spacing) > 0:  # zero stands there where a maker does not know
         return float(max(spacing))
     if field := dataset.get("FieldOfViewDimensions"):
         return float(np.max(field)) / max(int(dataset.Rows), int(dataset.Columns))

@@ -141,12 +141,13 @@ def _with_statement(standing: Standing, facts: ImageArrived, image: StoredImage,
 
 
 def _unseen(connection: Connection, image: StoredImage, column: str) -> bool | None:
-    """Whether no earlier image has the same; None if this one does not say."""
+    """Whether no earlier usable image has the same; None if this one does not say."""
     value = getattr(image, column)
     if value is None:
         return None
     images = tables.images
-    query = sa.select(1).where(images.c[column] == value, images.c.position < image.position)
+    earlier = (images.c.position < image.position, images.c.problem.is_(None))
+    query = sa.select(1).where(images.c[column] == value, *earlier)
     return connection.execute(query.limit(1)).first() is None
 
 

@@ -9,6 +9,7 @@ from pydicom import Dataset, dcmread
 
 from service.errors import ErrorCode, ServiceError
 from service.settings import DicomSettings
+from vision.deflated import inflates_beyond
 
 # Words of DICOM and the keys under which metadata has them.
 _TEXTS = {
@@ -21,6 +22,8 @@ _TEXTS = {
     "PhotometricInterpretation": "photometric_interpretation",
     "SeriesInstanceUID": "series_uid",
 }
+# JPEG baseline and extended, near-lossless JPEG-LS, JPEG 2000: what may have changed pixels, whatever the image says.
+_LOSSY_SYNTAXES = frozenset(f"1.2.840.10008.1.2.4.{one}" for one in (50, 51, 81, 91))
 _COUNTS = {"Rows": "rows", "Columns": "columns", "BitsStored": "bits"}
 _NUMBERS = {
     "PositionerPrimaryAngle": "positioner_primary_deg",
@@ -53,6 +56,9 @@ def read_header(
 
     Which image it is, where it has no UID, may be said `by_statement` of a person.
     """
+    if inflates_beyond(content, settings.max_image_bytes):
+        limit = settings.max_image_bytes
+        return EMPTY_HEADER, ServiceError(ErrorCode.IMAGE_BYTES_TOO_LARGE, "too many bytes, inflated", limit=limit)
     try:
         dataset = dcmread(BytesIO(content), force=True)
         header = _header(dataset)
@@ -66,6 +72,7 @@ def _header(dataset: Dataset) -> DicomHeader:
     metadata |= {key: float(dataset[word].value) for word, key in _NUMBERS.items() if _has(dataset, word)}
     metadata |= {key: int(dataset[word].value) for word, key in _COUNTS.items() if _has(dataset, word)}
     metadata["frames"] = int(dataset.get("NumberOfFrames") or 1)
+    metadata["lossy"] = _is_lossy(dataset)
     pixels = dataset.get("PixelData")
     return DicomHeader(
         sop_uid=_text(dataset, "SOPInstanceUID"),
@@ -82,6 +89,10 @@ def _problem(dataset: Dataset, header: DicomHeader, settings: DicomSettings, by_
     unnamed = header.sop_uid is None and not by_statement
     if not dataset.get("PixelData") or rows <= 0 or columns <= 0 or unnamed:
         return ServiceError(ErrorCode.NOT_AN_IMAGE, "no SOP instance UID, no pixel data, or no size")
+    if header.metadata["frames"] != 1:
+        return ServiceError(
+            ErrorCode.SEVERAL_FRAMES, "a run of several frames", measured=header.metadata["frames"], limit=1
+        )
     if pixels > settings.max_pixels:
         return ServiceError(
             ErrorCode.IMAGE_BYTES_TOO_LARGE, "too many pixels", measured=pixels, limit=settings.max_pixels
@@ -105,6 +116,12 @@ def _truncation(dataset: Dataset, pixels: int) -> ServiceError | None:
     if found >= expected:
         return None
     return ServiceError(ErrorCode.IMAGE_TRUNCATED, "pixel bytes are missing", measured=found, limit=expected)
+
+
+def _is_lossy(dataset: Dataset) -> bool:
+    """Whether the pixels may not be those of the detector any more; an earlier compression leaves its word behind."""
+    syntax = getattr(dataset.file_meta, "TransferSyntaxUID", None)
+    return syntax in _LOSSY_SYNTAXES or str(dataset.get("LossyImageCompression", "")) == "01"
 
 
 def _has(dataset: Dataset, word: str) -> bool:

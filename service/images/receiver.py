@@ -1,7 +1,7 @@
 """The DICOM receiver: answers success only after the bytes are committed; decoding comes later, elsewhere."""
 
 import secrets
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -12,6 +12,7 @@ from pynetdicom.sop_class import Verification
 from pynetdicom.transport import ThreadedAssociationServer
 from sqlalchemy.exc import SQLAlchemyError
 
+from service.audit import record_audit
 from service.database.engines import Database
 from service.errors import ErrorCode, ServiceError
 from service.images import store
@@ -23,13 +24,18 @@ _log = structlog.get_logger(__name__)
 
 # DICOM PS3.4, C-STORE: success; out of resources; cannot understand.
 _SUCCESS, _OUT_OF_RESOURCES, _CANNOT_UNDERSTAND = 0x0000, 0xA700, 0xC000
+# Of what is not stored; a sender may try again where resources were wanting.
+_STATUS: dict[str, int] = {ErrorCode.IMAGE_UID_TAKEN: _CANNOT_UNDERSTAND}
 # Room for the headers of the protocol's own units around a largest image.
 _PROTOCOL_OVERHEAD = 1.05
 _TIMEOUT_S = 30.0
+# The greatest that dcmtk sends. Each unit costs Python some work, which the rest of the service waits for.
+_PDU_BYTES = 131_072
 # An empty list lets everybody in; nobody can know this title, so that nobody comes in where no caller is named.
 _NOBODY = secrets.token_hex(8)
 _TO_NAME_CALLERS = 'dicom.accepted_callers = ["CARM"] in the settings, or COAXIAL_DICOM__ACCEPTED_CALLERS=\'["CARM"]\''
-_UNCOMPRESSED = ("1.2.840.10008.1.2.1", "1.2.840.10008.1.2", "1.2.840.10008.1.2.2")
+# Explicit and implicit little endian, explicit big endian, deflated.
+_UNCOMPRESSED = tuple(f"1.2.840.10008.1.2{one}" for one in (".1", "", ".2", ".1.99"))
 # RLE; JPEG baseline, extended, lossless (two), LS (two), 2000 (two): what the image worker can decode.
 _COMPRESSED = (
     "1.2.840.10008.1.2.5",
@@ -40,10 +46,13 @@ _COMPRESSED = (
 class DicomReceiver:
     """A C-STORE and C-ECHO provider in threads of its own."""
 
-    def __init__(self, settings: DicomSettings, database: Database, arrivals: ImageArrivals) -> None:
+    def __init__(
+        self, settings: DicomSettings, database: Database, arrivals: ImageArrivals, check_room: Callable[[], None]
+    ) -> None:
         self._settings = settings
         self._database = database
         self._arrivals = arrivals
+        self._check_room = check_room  # ServiceError DISK_FULL where there is too little for an image
 
     @contextmanager
     def listening(self) -> Iterator[int]:
@@ -53,6 +62,7 @@ class DicomReceiver:
             entity.add_supported_context(context.abstract_syntax, [*_UNCOMPRESSED, *_COMPRESSED])
         entity.add_supported_context(Verification)
         entity.require_calling_aet = list(self._settings.accepted_callers) or [_NOBODY]
+        entity.maximum_pdu_size = _PDU_BYTES
         entity.acse_timeout = entity.dimse_timeout = entity.network_timeout = _TIMEOUT_S
         server = self._started(entity)
         if not self._settings.accepted_callers:
@@ -97,22 +107,45 @@ class DicomReceiver:
             image = self.receive(event.encoded_dataset(), caller)
         except ServiceError as error:
             _log.error("image_not_stored", code=error.code)
-            return _answer(_OUT_OF_RESOURCES, error.code)
+            return _answer(_STATUS.get(error.code, _OUT_OF_RESOURCES), error.code)
         except SQLAlchemyError:
             _log.exception("image_not_stored", code=ErrorCode.DATABASE_FAULT)
             return _answer(_OUT_OF_RESOURCES, ErrorCode.DATABASE_FAULT)
         return _answer(_CANNOT_UNDERSTAND, image.problem["code"]) if image.problem else _answer(_SUCCESS, "")
 
     def receive(self, content: bytes, source: dict[str, Any]) -> store.StoredImage:
-        """Commit the bytes, then tell of them; ServiceError where they could not be committed."""
+        """Commit the bytes, then tell of them; what is sent again is the image that it was.
+
+        ServiceError where they could not be committed, IMAGE_UID_TAKEN where their UID came with other bytes.
+        """
+        self._check_room()  # H24: what is left is for the record of the procedure
         header, problem = read_header(content, self._settings)
-        with self._database.write() as connection:
-            image = store.add_image(connection, content, header, problem, source)
-        _log.info("image_stored", image_id=image.id, duplicate=image.duplicate_of is not None)
-        if problem is not None:
-            _log.warning("image_refused", image_id=image.id, code=problem.code)
-        self._arrivals.announce(image.id)
+        try:
+            with self._database.write(bulky=True) as connection:
+                again = store.image_sent_again(connection, content, header)
+                image = again or store.add_image(connection, content, header, problem, source)
+                if again is not None:
+                    record_audit(connection, "image_sent_again", None, {"image_id": again.id, **source})
+        except ServiceError as error:
+            self._record_refused(error, source)
+            raise
+        if again is None:
+            self._tell(image)
         return image
+
+    def _record_refused(self, error: ServiceError, source: dict[str, Any]) -> None:
+        """An image that claims to be another; a database that cannot be written is not asked again."""
+        if error.code == ErrorCode.IMAGE_UID_TAKEN:
+            with self._database.write() as connection:
+                record_audit(
+                    connection, "image_refused", None, {"code": error.code, "message": error.message, **source}
+                )
+
+    def _tell(self, image: store.StoredImage) -> None:
+        _log.info("image_stored", image_id=image.id, duplicate=image.duplicate_of is not None)
+        if image.problem is not None:
+            _log.warning("image_refused", image_id=image.id, code=image.problem["code"])
+        self._arrivals.announce(image.id)
 
 
 def _answer(status: int, comment: str) -> Dataset:

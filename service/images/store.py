@@ -25,7 +25,7 @@ AWAITS_STATEMENT = "awaits_statement"  # key in an image's source
 class StoredImage:
     """An image without its bytes.
 
-    `position` counts arrivals; `duplicate_of` is the first image with the same SOP UID or the same pixels (H02);
+    `position` counts arrivals; `duplicate_of` is the first usable image with the same SOP UID or pixels (H02);
     `problem` (code, message, measured, limit) says why it is no usable X-ray.
     """
 
@@ -52,6 +52,24 @@ class NewPurpose:
     purpose: str
     arm: Mapping[str, Any]
     verdicts: tuple[Mapping[str, Any], ...]
+
+
+def image_sent_again(connection: Connection, content: bytes, header: DicomHeader) -> StoredImage | None:
+    """The image that these bytes are already, sent again; None if they are none.
+
+    ServiceError IMAGE_UID_TAKEN where a usable image came under the same UID with other bytes; one that was cut short
+    or otherwise unusable leaves its UID to the whole one.
+    """
+    if header.sop_uid is None:
+        return None
+    sha256, images = hashlib.sha256(content).hexdigest(), tables.images
+    query = sa.select(images).where(images.c.sop_uid == header.sop_uid).order_by(images.c.position)
+    of_uid = [StoredImage(**row._mapping) for row in connection.execute(query)]
+    again = next((one for one in of_uid if one.sha256 == sha256), None)
+    taken = next((one for one in of_uid if one.problem is None), None)
+    if again is None and taken is not None:
+        raise ServiceError(ErrorCode.IMAGE_UID_TAKEN, f"image {taken.id} came under this UID with other bytes")
+    return again
 
 
 def add_image(
@@ -188,7 +206,8 @@ def _first_like(connection: Connection, header: DicomHeader, sha256: str) -> str
         alike.append(images.c.sop_uid == header.sop_uid)
     if header.pixel_sha256 is not None:
         alike.append(images.c.pixel_sha256 == header.pixel_sha256)
-    query = sa.select(images.c.id).where(sa.or_(*alike)).order_by(images.c.position).limit(1)
+    usable = images.c.problem.is_(None)
+    query = sa.select(images.c.id).where(usable, sa.or_(*alike)).order_by(images.c.position).limit(1)
     return connection.execute(query).scalar()
 
 

@@ -13,7 +13,7 @@ from service.auth.permissions import Permission
 from service.auth.session import Session
 from service.errors import ErrorCode, ServiceError
 from service.images.dicom_header import DicomHeader, read_header
-from service.images.store import AWAITS_STATEMENT, StoredImage, add_image, waiting_image
+from service.images.store import AWAITS_STATEMENT, StoredImage, add_image, image_sent_again, waiting_image
 from service.openapi import may_fail_with
 from service.parts import Parts, parts_of
 from vision.refusal import RefusalCode
@@ -31,6 +31,8 @@ _UPLOADING = may_fail_with(
     ErrorCode.IMAGE_BYTES_TOO_LARGE,
     ErrorCode.IMAGE_TOO_SMALL,
     ErrorCode.IMAGE_TRUNCATED,
+    ErrorCode.SEVERAL_FRAMES,
+    ErrorCode.IMAGE_UID_TAKEN,
     RefusalCode.UNREADABLE_IMAGE,
     RefusalCode.UNSUPPORTED_IMAGE,
     RefusalCode.IMAGE_TOO_LARGE,
@@ -98,11 +100,10 @@ def _picture_header(found: dict[str, Any]) -> DicomHeader:
 
 def _store(parts: Parts, content: bytes, header: DicomHeader, source: dict[str, Any]) -> StoredImage:
     waits = _awaits_statement(header)
-    with parts.database.write() as connection:
-        image = waiting_image(connection, content) if waits else None
-        if image is None:
-            image = _add(connection, content, header, source | ({AWAITS_STATEMENT: True} if waits else {}))
-    if not waits:
+    with parts.database.write(bulky=True) as connection:
+        known = waiting_image(connection, content) if waits else image_sent_again(connection, content, header)
+        image = known or _add(connection, content, header, source | ({AWAITS_STATEMENT: True} if waits else {}))
+    if known is None and not waits:
         parts.arrivals.announce(image.id)
     return image
 

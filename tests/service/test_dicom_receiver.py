@@ -12,12 +12,14 @@ from pathlib import Path
 
 import pynetdicom
 import pytest
+import sqlalchemy as sa
 from pydicom import dcmread
 from pynetdicom import AE
 from pynetdicom.sop_class import XRayAngiographicImageStorage
 from structlog.testing import capture_logs
 
 from service.database.engines import Database
+from service.database.tables import audit_events
 from service.errors import ErrorCode
 from service.images import store
 from service.images.arrivals import ImageArrivals
@@ -60,11 +62,11 @@ def log():
 def receive(database, storescu, tmp_path):
     with ExitStack() as stack:
 
-        def start(**settings) -> Receiving:
+        def start(check_room=lambda: None, **settings) -> Receiving:
             arrivals, arrived = ImageArrivals(), []
             arrivals.listen(arrived.append)
             limits = DicomSettings(port=0, max_image_bytes=_MAX_BYTES, **{"accepted_callers": ("CARM",)} | settings)
-            port = stack.enter_context(DicomReceiver(limits, database, arrivals).listening())
+            port = stack.enter_context(DicomReceiver(limits, database, arrivals, check_room).listening())
             return Receiving(port, database, arrived, storescu, tmp_path)
 
         yield start
@@ -99,17 +101,44 @@ def test_success_means_that_the_bytes_are_stored(receive, make_xray):
 
 
 @pytest.mark.hazard("H02")
-def test_the_same_image_again_is_stored_counted_and_called_a_duplicate(receive, make_xray):
+def test_an_image_that_is_sent_again_is_answered_with_success_and_is_the_image_that_it_was(receive, make_xray):
     room = receive()
     content = make_xray()
-    assert room.send(content).returncode == room.send(content).returncode == 0
+    assert room.send(content).returncode == room.send(content, content).returncode == 0
+    (image,) = room.images()
+    assert (image.duplicate_of, room.arrived) == (None, [image.id])
+    assert (
+        _audited(room, "image_sent_again") == [{"image_id": image.id, "calling_ae": "CARM", "address": "127.0.0.1"}] * 2
+    )
+
+
+def test_other_bytes_under_the_same_uid_are_refused_and_nothing_of_them_is_stored(receive, make_xray):
+    room = receive()
+    room.send(make_xray(seed=1, SOPInstanceUID="1.2.3.4"))
+    for other in (make_xray(seed=2, SOPInstanceUID="1.2.3.4"), make_xray(seed=1, SOPInstanceUID="1.2.3.4", KVP=80)):
+        assert "CannotUnderstand" in room.send(other).stderr
+    (image,) = room.images()
+    assert room.arrived == [image.id]
+    assert [refused["code"] for refused in _audited(room, "image_refused")] == [ErrorCode.IMAGE_UID_TAKEN] * 2
+
+
+def test_an_image_that_came_cut_short_leaves_its_uid_to_the_whole_one(receive, make_xray):
+    room = receive()
+    cut, whole = (make_xray(SOPInstanceUID="1.2.3.4", **more) for more in ({"Rows": 200}, {}))
+    assert "CannotUnderstand" in room.send(cut).stderr
+    assert "CannotUnderstand" in room.send(cut).stderr, "the same answer as before"
+    assert room.send(whole).returncode == 0
+    assert "CannotUnderstand" in room.send(cut).stderr
     first, second = room.images()
-    assert (first.duplicate_of, second.duplicate_of) == (None, first.id)
-    assert [first.position, second.position] == [1, 2]
-    assert len(room.arrived) == 2
+    assert (first.problem["code"], second.problem, second.duplicate_of) == (ErrorCode.IMAGE_TRUNCATED, None, None)
 
 
-@pytest.mark.hazard("H02")
+def _audited(room: Receiving, kind: str) -> list[dict]:
+    with room.database.read() as connection:
+        rows = connection.execute(sa.select(audit_events).where(audit_events.c.kind == kind))
+        return [row.data for row in rows]
+
+
 def test_the_same_pixels_under_a_new_identity_are_a_duplicate(receive, make_xray):
     room = receive()
     room.send(make_xray(seed=1))
@@ -129,7 +158,7 @@ def test_the_same_pixels_under_a_new_identity_are_a_duplicate(receive, make_xray
         ({"PixelData": None}, ErrorCode.NOT_AN_IMAGE),
         ({"Rows": 200}, ErrorCode.IMAGE_TRUNCATED),
         ({"Rows": 10_000, "Columns": 10_000}, ErrorCode.IMAGE_BYTES_TOO_LARGE),
-        ({"NumberOfFrames": 3}, ErrorCode.IMAGE_TRUNCATED),
+        ({"NumberOfFrames": 3}, ErrorCode.SEVERAL_FRAMES),
     ],
 )
 def test_what_is_no_usable_image_is_kept_and_answered_with_failure_and_its_code(receive, make_xray, elements, code):
@@ -218,7 +247,9 @@ def test_a_failing_listener_does_not_make_a_stored_image_fail(database, storescu
 
     arrivals.listen(fail)
     arrivals.listen(arrived.append)
-    with DicomReceiver(DicomSettings(port=0, accepted_callers=("CARM",)), database, arrivals).listening() as port:
+    with DicomReceiver(
+        DicomSettings(port=0, accepted_callers=("CARM",)), database, arrivals, lambda: None
+    ).listening() as port:
         room = Receiving(port, database, arrived, storescu, tmp_path)
         assert room.send(make_xray()).returncode == 0
     assert len(arrived) == 1
