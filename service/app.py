@@ -13,6 +13,7 @@ import service.images.router
 import service.images.uploads
 import service.ledger.router
 import service.pacs.router
+import service.report.router
 import service.slicer.router
 import service.web.router
 from service import room_status
@@ -47,6 +48,7 @@ ROUTERS: tuple[APIRouter, ...] = (
     service.ledger.router.router,
     service.pacs.router.router,
     service.archive.router.router,
+    service.report.router.router,
     service.slicer.router.router,
     *CONDUCTOR_ROUTERS,
 )

@@ -13,6 +13,8 @@ from typing import Any
 import cv2
 import numpy as np
 
+from service.report.figures import draw_figures as drawn_figures
+from service.report.typesetting import typeset as set_report
 from service.vision_echo import draw_point
 from service.vision_overlay import outlines
 from vision import carm_angles as angles
@@ -229,5 +231,16 @@ def overlay(image: bytes, registration: Json, targets: list[Json]) -> Json:
     return refusal_to_json(lines) if isinstance(lines, Refusal) else {"status": "drawn"} | lines
 
 
-_JOBS = (register, annotate, handedness, target, evaluate, carm_angles, echo, identify, pixels, overlay)
+def draw_figures(images: list[Json]) -> Json:
+    """The images of a target's page in a report, each as SVG, or None where it cannot be drawn."""
+    return {"status": "drawn", "figures": drawn_figures(images)}
+
+
+def typeset(document: Json, pictures: dict[str, str], dated: str) -> Json:
+    """A report as PDF; in this process, whose low priority no heartbeat waits for (H32)."""
+    return {"status": "set", "pdf": set_report(document, pictures, dated)}
+
+
+_REPORT_JOBS = (draw_figures, typeset)
+_JOBS = (register, annotate, handedness, target, evaluate, carm_angles, echo, identify, pixels, overlay, *_REPORT_JOBS)
 JOBS: dict[str, Callable[..., Json]] = {job.__name__: job for job in _JOBS}

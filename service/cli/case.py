@@ -1,4 +1,4 @@
-"""`coaxial case`: a case as one file, to be kept, checked, given away or brought to another workstation.
+"""`coaxial case`: a case as a report, or as one file to be kept, checked, given away or brought elsewhere.
 
 Exit status: 0 done, 1 the check found something, 3 refused. What is heavy is imported where it is used.
 """
@@ -26,7 +26,37 @@ PublicKeys = Annotated[
 
 @case.callback()
 def cases() -> None:
-    """A case as one file: export, verify, import."""
+    """A case as a report, or as one file: export, verify, import."""
+
+
+@case.command("report")
+def report_one(
+    case_id: Annotated[str, typer.Argument(metavar="CASE", help="Id of the case.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Where to write it; case-CASE.pdf in this folder if not told.")
+    ] = None,
+    config: ConfigOption = None,
+    data_folder: DataFolderOption = None,
+) -> None:
+    """Write the report of a case, open ones too, as PDF/A; the same record gives the same file."""
+    import asyncio
+
+    from service.database.current import current_database
+    from service.report.making import make_report
+    from service.vision_worker import VisionWorker
+
+    async def make() -> bytes:
+        vision = VisionWorker(settings.vision)
+        try:
+            return await make_report(database, vision, case_id)
+        finally:
+            await vision.close()
+
+    with site_settings(config, data_folder) as settings, current_database(settings) as database:
+        content = asyncio.run(make())
+    file = out or Path(f"case-{case_id}.pdf")
+    file.write_bytes(content)
+    typer.echo(str(file))
 
 
 @case.command("export")

@@ -35,9 +35,10 @@ class ObjectKind(StrEnum):
 
     ANNOTATED_IMAGE = "annotated_image"
     STRUCTURED_REPORT = "structured_report"
+    REPORT = "report"
 
 
-_SERIES_NUMBERS = {ObjectKind.ANNOTATED_IMAGE: 9001, ObjectKind.STRUCTURED_REPORT: 9002}
+_SERIES_NUMBERS = {ObjectKind.ANNOTATED_IMAGE: 9001, ObjectKind.STRUCTURED_REPORT: 9002, ObjectKind.REPORT: 9003}
 
 
 @dataclass(frozen=True, slots=True)

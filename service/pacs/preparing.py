@@ -1,4 +1,4 @@
-"""What a case that is over leaves to the archive: its images with what was found in them, its errors and poses."""
+"""What a case that is over leaves to the archive: images with what was found, errors and poses, the report."""
 
 import asyncio
 import base64
@@ -16,8 +16,10 @@ from service.conductor.device_set import DeviceSet, devices_of
 from service.images.store import StoredImage, list_images, original_bytes, purpose_of
 from service.pacs.annotated_image import annotated_image
 from service.pacs.derived import DerivedObject, ObjectKind, device_uid, identity_of, place_of
+from service.pacs.encapsulated_report import encapsulated_report
 from service.pacs.structured_report import structured_report
 from service.parts import Parts
+from service.report.making import make_report
 from workflow.decisions import ImageUse
 
 _DEPTH_MM = 80.0  # where an image shows no target, only the registration is drawn
@@ -41,7 +43,9 @@ async def objects_for(parts: Parts, case_id: str) -> list[DerivedObject]:
     over = await asyncio.to_thread(_read, parts, case_id)
     pictures = [await _annotated(parts, over, number) for number in range(len(over.images))]
     reports = await asyncio.to_thread(_reports, over)
-    return [*(one for one in pictures if one is not None), *reports]
+    pdf = await make_report(parts.database, parts.vision, case_id)
+    report = encapsulated_report(over.identity, place_of(case_id, ObjectKind.REPORT), pdf)
+    return [*(one for one in pictures if one is not None), *reports, report]
 
 
 def _read(parts: Parts, case_id: str) -> OverCase:

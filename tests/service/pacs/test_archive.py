@@ -85,7 +85,7 @@ def test_what_an_archive_that_was_down_missed_reaches_it_after_a_restart(
 ):
     dicom_port, http_port = free_ports(2)
     with serving(_settings(tmp_path, left_behind, dicom_port)) as service:
-        _until(lambda: len(_sent(service)) == 3)
+        _until(lambda: len(_sent(service)) == 4)
         assert not any(one["delivered"] for one in _sent(service))
     with archive(dicom_port, http_port) as peer, serving(_settings(tmp_path, left_behind, dicom_port)) as service:
         _until(lambda: all(one["delivered"] for one in _sent(service)))
@@ -105,12 +105,16 @@ def test_what_an_archive_that_was_down_missed_reaches_it_after_a_restart(
 def _is_whole(kept, recorded, folder) -> None:
     pictures = [one for one in kept.values() if one.Modality == "XA"]
     (report,) = (one for one in kept.values() if one.Modality == "SR")
+    (document,) = (one for one in kept.values() if one.Modality == "DOC")
     assert {one.PatientID for one in kept.values()} == {"P1"}
     assert {str(one.PatientName) for one in kept.values()} == {"Doe^Jane"}
     assert {one.StudyInstanceUID for one in kept.values()} == {"1.2.3"}
-    assert len({one.SeriesInstanceUID for one in kept.values()}) == 2
+    assert len({one.SeriesInstanceUID for one in kept.values()}) == 3
     assert [one.pixel_array.shape[2] for one in pictures] == [3, 3]
     assert sorted(one.ImageComments for one in pictures) == ["registration", "verification, L3 left"]
+    pdf = document.EncapsulatedDocument[: document.EncapsulatedDocumentLength]
+    assert pdf.startswith(b"%PDF-1.7")
+    assert pdf.endswith(b"%%EOF")
     figures = _numbers(report)
     assert figures["Target depth below the big ring"] == 80.0
     assert figures["Position error by contours"] == pytest.approx(recorded["contour"]["position_error_mm"])
