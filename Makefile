@@ -40,9 +40,9 @@ tests: $(VENV)/.test
 	$(BIN)/python -m pytest -n 2 --database postgresql $(ON_POSTGRESQL)
 	$(BIN)/python -m pytest -n 2 --dist loadfile -m "real_time and not matrix and not tablet"
 
-bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; COUNT=2000 trials of KINDS; results kept in FOLDER
+bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; COUNT=2000 trials of KINDS, or MINUTES; kept in FOLDER
 	$(BIN)/python -m benchmarks.stop --count $(or $(COUNT),2000) $(if $(KINDS),--kinds $(KINDS)) \
-	  --folder $(or $(FOLDER),$(VENV)/stop)
+	  $(if $(MINUTES),--minutes $(MINUTES)) --folder $(or $(FOLDER),$(VENV)/stop)
 
 fault-matrix: $(VENV)/.test  ## every fault in every state of a motion, over the real protocols
 	$(BIN)/python -m pytest tests/robot/test_fault_matrix.py -v

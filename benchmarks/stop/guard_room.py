@@ -6,13 +6,16 @@ The service only forwards heartbeats; when a challenge was issued, from which si
 import os
 import signal
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from types import TracebackType
 from typing import Self
+from unittest.mock import patch
 
+from benchmarks.stop.load import Load
+from benchmarks.stop.precedence import ahead
 from benchmarks.stop.results import Trial
-from benchmarks.stop.wire import first_stop_ms
+from benchmarks.stop.wire import Wire
 from robot.guard.client import GuardConfig
 from robot.guard.heartbeat import SILENCE_S
 from robot.guard.messages import MotionEnded
@@ -21,21 +24,26 @@ from tests.robot.bench import Bench
 
 _WAY_MM = 12.0  # a trial stops after a millimetre or two
 _SPAN_MM = 30.0  # the arm turns back before it has gone so far up
+_UNDER_WAY_MM_S = 5.0
 
 
 class GuardRoom:
     """One guard and one controller, used trial by trial."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, load: Load) -> None:
         self._folder = folder
+        self._load = load
 
     def __enter__(self) -> Self:
         with ExitStack() as opened:
-            settings = ControllerSettings(free_loopback_address())
-            self._controller = opened.enter_context(ControllerProcess(settings))
+            with ahead():
+                settings = ControllerSettings(free_loopback_address())
+                self._controller = opened.enter_context(ControllerProcess(settings))
+            self._wire = Wire(self._controller)
             self._bench = Bench(GuardConfig(self._controller.address, self._folder), self._controller)
             opened.callback(self._bench.close)
-            self._bench.start()
+            with self._load.paused():
+                self._bench.start()
             self._lowest_mm = self._height_mm()
             self._opened = opened.pop_all()
         return self
@@ -45,34 +53,36 @@ class GuardRoom:
 
     def heartbeat(self, _: int) -> Trial:
         """The link is lost: milliseconds beyond the 200 that silence may last."""
-        newest = self._move()
+        self._move()
         self._bench.silent = True
-        self._bench.told(MotionEnded)
+        ended = self._bench.told(MotionEnded)
         self._bench.silent = False
-        late_ms = first_stop_ms(self._controller, newest, self._bench.last_challenge_at_s + SILENCE_S)
+        late_ms = self._wire.first_stop_ms(self._bench.last_challenge_at_s + SILENCE_S)
         self._calm()
-        return Trial(late_ms, late_ms is not None, "moving")
+        return Trial(late_ms, late_ms is not None and late_ms >= 0.0, ended.cause)
 
-    def kill_guard(self, _: int) -> Trial:
-        """SIGKILL of the guard: its parent's stop or the controller's watchdog, whichever is first."""
-        newest = self._move()
+    def kill_guard(self, number: int) -> Trial:
+        """SIGKILL of the guard: its parent's stop, or, where that is withheld, the controller's watchdog alone."""
+        alone = number % 2 == 1
+        self._move()
         guard = self._bench.client.process_id
         assert guard is not None
-        at_s = time.monotonic()
-        os.kill(guard, signal.SIGKILL)
-        self._bench.until(lambda: not self._controller.state().moving, 5.0)
-        late_ms = first_stop_ms(self._controller, newest, at_s)
-        self._bench.until(lambda: self._bench.client.process_id not in (guard, None), 20.0)
-        self._calm()
-        return Trial(late_ms, late_ms is not None, "moving")
+        with patch("robot.guard.client.stop_by_dashboard") if alone else nullcontext():
+            at_s = time.monotonic()
+            os.kill(guard, signal.SIGKILL)
+            late_ms = self._wire.first_stop_ms(at_s)
+            self._bench.until(lambda: not self._controller.state().moving, 5.0)
+        with self._load.paused():
+            self._bench.until(lambda: self._bench.client.process_id not in (guard, None), 20.0)
+            self._calm()
+        return Trial(late_ms, late_ms is not None, "watchdog alone" if alone else "its parent lives")
 
-    def _move(self) -> int:
-        """An arm under way; the number of the newest record before it ran."""
+    def _move(self) -> None:
+        """An arm under way."""
         self._bench.events.clear()
-        newest = self._controller.wire()[-1].number
+        self._wire.mark()
         up = self._height_mm() < self._lowest_mm + _SPAN_MM
-        self._bench.move(_WAY_MM if up else -_WAY_MM)
-        return newest
+        self._bench.move(_WAY_MM if up else -_WAY_MM, _UNDER_WAY_MM_S)
 
     def _calm(self) -> None:
         self._bench.until(self._bench.sees_the_arm, 20.0)

@@ -5,8 +5,12 @@ python -m benchmarks.stop.load burn|images
 
 import asyncio
 import os
+import signal
 import subprocess
 import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Self
 
@@ -19,21 +23,39 @@ from simulator.carm.drawing import random_scene
 from simulator.carm.quick_render import render_quickly
 from simulator.devices import GUIDE_FILE, INTENSIFIER_FILE
 
+_FULL_AGAIN_S = 0.1  # the image worker, which runs behind everything else, has its turn by then
+
 
 class Load:
-    """Processes that run for as long as the context."""
+    """Processes that run for as long as the context, but for what is prepared between two trials."""
+
+    def __init__(self, wanted: bool = True) -> None:
+        self._jobs = ["burn"] * (os.cpu_count() or 1) + ["images"] if wanted else []
+        self._processes: list[subprocess.Popen[bytes]] = []
 
     def __enter__(self) -> Self:
-        jobs = ["burn"] * (os.cpu_count() or 1) + ["images"]
         command = [sys.executable, "-m", "benchmarks.stop.load"]
-        self._processes = [subprocess.Popen([*command, job]) for job in jobs]
+        self._processes = [subprocess.Popen([*command, job], start_new_session=True) for job in self._jobs]
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         for process in self._processes:
-            process.terminate()
-        for process in self._processes:
+            os.killpg(process.pid, signal.SIGKILL)  # the image worker is a process of its own
             process.wait()
+
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """No load while a service starts or a case is led somewhere: none of that is measured."""
+        self._signal(signal.SIGSTOP)
+        yield
+        self._signal(signal.SIGCONT)
+        time.sleep(_FULL_AGAIN_S)
+
+    def _signal(self, number: signal.Signals) -> None:
+        for process in self._processes:
+            if process.poll() is not None:
+                raise RuntimeError("a process of the load has ended: what is measured from here on is not under load")
+            os.killpg(process.pid, number)
 
 
 def burn() -> None:
@@ -43,10 +65,10 @@ def burn() -> None:
 
 
 async def register_images() -> None:
-    """One image after the other, decoded and registered by the service's own worker."""
+    """One image after the other, decoded and registered by the service's own worker, however slowly."""
     image = render_quickly(random_scene(1), 1)
     encoded = cv2.imencode(".png", np.asarray(image.pixels, dtype=np.uint16))[1].tobytes()
-    worker = VisionWorker(VisionSettings())
+    worker = VisionWorker(VisionSettings(deadline_s=3600.0, start_deadline_s=3600.0))
     while True:
         await worker.run("register", encoded, GUIDE_FILE.read_bytes(), INTENSIFIER_FILE.read_bytes())
 

@@ -1,7 +1,7 @@
 """The whole service over a controller, pressed by clients over HTTP: release, stop, SIGKILL, and what must not stop."""
 
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -9,8 +9,10 @@ from typing import Self
 import numpy as np
 
 from benchmarks.stop.jitter import jittering
+from benchmarks.stop.load import Load
+from benchmarks.stop.precedence import ahead
 from benchmarks.stop.results import Trial
-from benchmarks.stop.wire import first_stop_ms
+from benchmarks.stop.wire import Wire
 from coaxial_client import Coaxial, Refused
 from service.auth.permissions import Role
 from simulator.controller import ControllerProcess, ControllerSettings, Payload, free_loopback_address
@@ -23,6 +25,7 @@ from tests.system.walk import Walk, lift, lifting, until
 _WAY_MM = 12.0
 _SPAN_MM = 40.0
 _SHORT_MM = 2.0  # of a motion that is to arrive
+_NOT_BEGUN = ("refused", "not_started")  # how a hold ends whose motion nothing had to stop
 # Most stops are pressed in these; every so often the case is led through all of them.
 _OFTEN = ("moving", "safe_hold", "case_open")
 _STATES = (
@@ -43,46 +46,54 @@ _RARELY = 20  # one of so many trials is in a state that takes images to reach
 class ServiceRoom:
     """One service and one controller, used trial by trial; the tablet perhaps behind a network that jitters."""
 
-    def __init__(self, folder: Path, jitters: bool = False) -> None:
+    def __init__(self, folder: Path, load: Load, jitters: bool = False) -> None:
         self._folder = folder
+        self._load = load
         self._jitters = jitters
 
     def __enter__(self) -> Self:
         flange_from_tcp = np.eye(4)
         flange_from_tcp[2, 3] = 150.0
-        with ExitStack() as opened:
+        with ExitStack() as opened, self._load.paused():
             settings = ControllerSettings(free_loopback_address(), flange_from_tcp=flange_from_tcp, payload=Payload())
-            self._controller = opened.enter_context(ControllerProcess(settings))
+            with ahead():
+                self._controller = opened.enter_context(ControllerProcess(settings))
+            self._wire = Wire(self._controller)
             self._folder.mkdir(parents=True)
             database_url = opened.enter_context(SqliteFiles(self._folder.parent).migrated(self._folder))
             self._service = Service(self._folder, self._controller.address, database_url)
             add_users(database_url)
             self._service.start()
             opened.callback(self._service.end)
-            self._room = Coaxial(
-                opened.enter_context(jittering(self._service.url)) if self._jitters else self._service.url
-            )
-            self._room.sign_in("surgeon", PASSWORD)
-            upload_devices(self._room)
-            self._pressers = [self._service.sign_in(role.value) for role in Role]
+            self._sign_in(opened)
             self._carm = CArm(self._service, str(CASE["patient_id"]), str(CASE["study_uid"]))
             self._case = prepare(self._room.open_case(CASE))
             self._lowest_mm = self._height_mm()
             self._opened = opened.pop_all()
         return self
 
+    def _sign_in(self, opened: ExitStack) -> None:
+        """The surgeon, perhaps from behind the network, and a client of each role that may press stop."""
+        with ahead():
+            url = opened.enter_context(jittering(self._service.url)) if self._jitters else self._service.url
+        self._room = Coaxial(url)
+        self._room.sign_in("surgeon", PASSWORD)
+        upload_devices(self._room)
+        self._pressers = [self._service.sign_in(role.value) for role in Role]
+
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._opened.close()
 
     def release(self, _: int) -> Trial:
         """The hand lets go: from the message to the wire."""
-        newest = self._newest()
-        with lifting(self._case, self._controller, self._way_mm()) as hold:
+        self._wire.mark()
+        with ahead(), lifting(self._case, self._controller, self._way_mm()) as hold:
             at_s = time.monotonic()
             hold.release()
             ended = hold.wait(10.0)
+        late_ms = self._wire.first_stop_ms(at_s)
         self._calm()
-        return Trial(first_stop_ms(self._controller, newest, at_s), ended.cause == "released", "moving")
+        return Trial(late_ms, ended.cause == "released", "moving")
 
     def stop(self, number: int) -> Trial:
         """A client of each role in turn, in every state: from the request to the wire."""
@@ -90,51 +101,56 @@ class ServiceRoom:
         state = _STATES[number // _RARELY % len(_STATES)] if rare else _OFTEN[number % len(_OFTEN)]
         presser = self._pressers[number % len(self._pressers)]
         if state == "moving":
-            with lifting(self._case, self._controller, self._way_mm()):
+            self._wire.mark()
+            with ahead(), lifting(self._case, self._controller, self._way_mm()):
                 trial = self._pressed(presser, state)
         else:
-            self._come_to(state)
-            trial = self._pressed(presser, state)
-        if rare:
-            self._new_case()
-        else:
-            self._calm()
+            with self._load.paused() if rare else nullcontext():
+                self._come_to(state)
+            self._wire.mark_when_quiet()
+            with ahead():
+                trial = self._pressed(presser, state)
+        self._new_case() if rare else self._calm()
         return trial
 
     def kill_service(self, _: int) -> Trial:
         """SIGKILL of the service amid a motion: from the signal to the wire."""
-        newest = self._newest()
+        self._wire.mark()
         with lifting(self._case, self._controller, self._way_mm()):
             at_s = time.monotonic()
             self._service.kill()
-        late_ms = first_stop_ms(self._controller, newest, at_s)
-        self._service.start()
-        self._room = self._service.sign_in()
-        self._case = self._room.case(self._case.id)
-        self._case.take_lease("after the kill")
-        self._calm()
+        late_ms = self._wire.first_stop_ms(at_s)
+        with self._load.paused():
+            self._service.start()
+            self._room = self._service.sign_in()
+            self._case = self._room.case(self._case.id)
+            self._case.take_lease("after the kill")
+            self._calm()
         return Trial(late_ms, late_ms is not None, "moving")
 
     def nuisance(self, _: int) -> Trial:
         """A held motion that is to arrive, the tablet behind a network that jitters."""
         plan = lift(self._case, _SHORT_MM if self._way_mm() > 0.0 else -_SHORT_MM)
-        with self._case.hold(self._case.approve(plan, PIN)) as hold:
-            cause = hold.wait(20.0).cause
+        with ahead(), self._case.hold(self._case.approve(plan, PIN)) as hold:
+            try:
+                cause = hold.wait(20.0).cause
+            except TimeoutError:
+                cause = "connection lost"
         self._calm()
-        return Trial(None, cause == "arrived", cause)
+        return Trial(None, cause == "arrived", cause, counts=cause not in _NOT_BEGUN)
 
     def _pressed(self, presser: Coaxial, state: str) -> Trial:
-        newest, at_s = self._newest(), time.monotonic()
+        at_s = time.monotonic()
         try:
-            accepted = presser.stop()["sent_to_guard"]
+            accepted = bool(presser.stop()["sent_to_guard"])
         except Refused:
             accepted = False
-        until(lambda: first_stop_ms(self._controller, newest, at_s) is not None, 5.0)
-        return Trial(first_stop_ms(self._controller, newest, at_s), bool(accepted), state)
+        return Trial(self._wire.first_stop_ms(at_s), accepted, state)
 
     def _come_to(self, state: str) -> None:
         if state == "safe_hold":
             self._room.stop()
+            self._case.wait_for(state)
         elif state == "over":
             self._case.command("case-aborted", reason="a trial")
         elif state != "case_open":
@@ -142,7 +158,7 @@ class ServiceRoom:
 
     def _calm(self) -> None:
         """A case that may move again."""
-        until(lambda: self._case.status()["arm"]["connected"], 30.0)
+        until(lambda: self._case.status()["arm"]["connected"], 60.0)
         if self._case.wait_for("safe_hold", "case_open", "carm_positioned")["state"] == "safe_hold":
             self._case.command("acknowledged", guide="empty")
         until(lambda: self._case.status()["arm"]["phase"] == "idle")
@@ -151,9 +167,6 @@ class ServiceRoom:
         if self._room.status()["open_case"] is not None:
             self._case.command("case-aborted", reason="a trial")
         self._case = prepare(self._room.open_case(CASE))
-
-    def _newest(self) -> int:
-        return self._controller.wire()[-1].number
 
     def _way_mm(self) -> float:
         return _WAY_MM if self._height_mm() < self._lowest_mm + _SPAN_MM else -_WAY_MM

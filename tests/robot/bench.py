@@ -82,13 +82,13 @@ class Bench:
         )  # fmt: skip
         return replace(move, **changes)
 
-    def move(self, step_mm: float = 40.0) -> None:
+    def move(self, step_mm: float = 40.0, under_way_mm_s: float = 15.0) -> None:
         """Hold, start a motion, and wait until the arm runs; under `permit_id`."""
         for _ in range(5):
             self.permit_id = f"permit-{next(self._permits)}"
             self.hold(self.permit_id)
             self.client.begin_move(self.order(self.permit_id, step_mm))
-            self.until(lambda: self._runs() or self._hold_lost(), 5.0)
+            self.until(lambda: self._is_faster_than(under_way_mm_s) or self._hold_lost(), 5.0)
             if not self._hold_lost():
                 return
             # A crowded machine may lose the hold at once: the hand lets go, and tries again as a surgeon would.
@@ -101,8 +101,8 @@ class Bench:
         refused = (event.refusal.code for event in self.events if isinstance(event, MoveRefused))
         return self.count(MotionEnded) > 0 or RefusalCode.NO_LIVE_HEARTBEAT in refused
 
-    def _runs(self) -> bool:
-        return self.controller.state().tcp_speed_mm_s > 15.0
+    def _is_faster_than(self, speed_mm_s: float) -> bool:
+        return self.controller.state().tcp_speed_mm_s > speed_mm_s
 
     def told(self, kind: type[Told], within_s: float = 10.0) -> Told:
         """The newest event of a kind, awaited."""
