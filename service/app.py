@@ -12,6 +12,7 @@ import service.devices.router
 import service.images.router
 import service.images.uploads
 import service.ledger.router
+import service.operations.health
 import service.pacs.router
 import service.report.router
 import service.slicer.router
@@ -27,6 +28,7 @@ from service.edge import Edge
 from service.images import pixels
 from service.ledger.keeping import keeping_ledger
 from service.openapi import described_by
+from service.operations.metrics import measuring
 from service.pacs.delivering import delivering
 from service.parts import Parts
 from service.problem_json import add_problem_handlers
@@ -38,6 +40,7 @@ from service.version import PRODUCT_VERSION
 ROUTERS: tuple[APIRouter, ...] = (
     service.auth.router.router,
     room_status.router,
+    service.operations.health.router,
     service.cases.router.router,
     service.devices.router.router,
     service.images.router.router,
@@ -58,6 +61,7 @@ BACKGROUND: tuple[Callable[[FastAPI, Parts], AbstractAsyncContextManager[None]],
     conducting,
     delivering,
     linking,
+    measuring,
 )
 
 _DESCRIPTION = "Robot-assisted needle placement under C-arm fluoroscopy. Research software, not for clinical use."

@@ -15,6 +15,7 @@ class ErrorCode(StrEnum):
     REQUEST_REFUSED = "request_refused"
     BODY_TOO_LARGE = "body_too_large"
     INTERNAL_FAULT = "internal_fault"
+    NOT_READY = "not_ready"
     SETTINGS_REFUSED = "settings_refused"
     NOT_SIGNED_IN = "not_signed_in"
     SIGN_IN_REFUSED = "sign_in_refused"
@@ -138,6 +139,7 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.REQUEST_REFUSED: Answer(400, "Check the request against the interface description."),
     ErrorCode.BODY_TOO_LARGE: Answer(413, "Send less; the limit is in the answer."),
     ErrorCode.INTERNAL_FAULT: Answer(500, "Look at the case before repeating; report the incident number."),
+    ErrorCode.NOT_READY: Answer(503, "Run `coaxial doctor`: it says of each reason what to do. Stop still works."),
     ErrorCode.SETTINGS_REFUSED: Answer(500, "Correct the settings file or the environment variable, then start again."),
     ErrorCode.NOT_SIGNED_IN: Answer(401, "Sign in."),
     ErrorCode.SIGN_IN_REFUSED: Answer(401, "Check name and password or PIN."),

@@ -1,4 +1,4 @@
-"""Whether the service is up, and what the room has: the part of the status that belongs to no case."""
+"""What the room has: the part of the status that belongs to no case."""
 
 import shutil
 from typing import Annotated
@@ -19,13 +19,6 @@ from service.version import PRODUCT_VERSION
 router = APIRouter(tags=["status"])
 
 
-class Health(BaseModel):
-    """Up."""
-
-    status: str
-    version: str
-
-
 class RoomStatus(BaseModel):
     """The room as the service sees it; the arm and the case have a status of their own at the case."""
 
@@ -41,12 +34,6 @@ class RoomStatus(BaseModel):
     settings_sha256: str
     daily_check: LastDailyCheck | None
     limits: ProcedureLimits
-
-
-@router.get("/health")
-def read_health() -> Health:
-    """Whether the service answers; needs no sign-in and tells nothing else."""
-    return Health(status="up", version=PRODUCT_VERSION)
 
 
 @router.get("/status")

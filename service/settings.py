@@ -66,6 +66,13 @@ class SlicerSettings(_Section):
     port: int | None = Field(default=None, ge=1, le=65535)  # None: nobody watches; 18944 is customary
 
 
+class MetricsSettings(_Section):
+    """Where Prometheus may read what is counted and timed; it holds no patient, but asks nobody who they are."""
+
+    host: str = "127.0.0.1"
+    port: int | None = Field(default=None, ge=1, le=65535)  # None: nothing listens
+
+
 class SessionSettings(_Section):
     """How long a sign-in lasts, when it locks, and how many wrong answers are borne."""
 
@@ -131,6 +138,7 @@ class Settings(BaseSettings):
     pacs: PeerSettings = PeerSettings()  # takes pictures, errors and report of each case that is over
     worklist: PeerSettings = PeerSettings()  # knows who is next
     slicer: SlicerSettings = SlicerSettings()
+    metrics: MetricsSettings = MetricsSettings()
     session: SessionSettings = SessionSettings()
     vision: VisionSettings = VisionSettings()
     limits: ProcedureLimits = ProcedureLimits()

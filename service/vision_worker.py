@@ -6,6 +6,7 @@ the geometry says no. ServiceError (VISION_DEADLINE, VISION_CRASHED, VISION_OUT_
 
 import asyncio
 import multiprocessing
+import time
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
@@ -15,6 +16,7 @@ import structlog
 
 from service import vision_process
 from service.errors import ErrorCode, ServiceError
+from service.operations.counts import count_image_work
 from service.settings import VisionSettings
 
 _log = structlog.get_logger(__name__)
@@ -78,7 +80,16 @@ class VisionWorker:
 
     async def run(self, job: str, *arguments: Any) -> Json:
         """Any job by name; ServiceError where the work failed."""
-        return await asyncio.get_running_loop().run_in_executor(self._thread, self._exchange, job, arguments)
+        return await asyncio.get_running_loop().run_in_executor(self._thread, self._timed, job, arguments)
+
+    def _timed(self, job: str, arguments: tuple[Any, ...]) -> Json:
+        started_s, failed = time.monotonic(), True
+        try:
+            answer = self._exchange(job, arguments)
+            failed = False
+        finally:
+            count_image_work(job, time.monotonic() - started_s, failed=failed)
+        return answer
 
     def _exchange(self, job: str, arguments: tuple[Any, ...]) -> Json:
         pipe = self._running_pipe()

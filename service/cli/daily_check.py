@@ -5,10 +5,11 @@ Exit status: 0 passed, 3 failed (each line says what to do), 2 wrong usage or a 
 
 import os
 import time
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
+
+from service.cli.check_lines import tell
 
 if TYPE_CHECKING:
     from coaxial_client import Coaxial
@@ -17,7 +18,6 @@ daily_check = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 
 _FAILED, _UNUSABLE = 3, 2
 _LOOK_EVERY_S = 0.2
-Item = Mapping[str, Any]
 
 
 @daily_check.command()
@@ -44,7 +44,7 @@ def daily_check_command(
 
 def _check(room: "Coaxial", wait_s: float) -> bool:
     begun = room.begin_daily_check()
-    _tell(begun["items"])
+    tell(begun["items"])
     if begun["passed"] is not None:
         return bool(begun["passed"])
     typer.echo("now expose the guide once, and leave the arm where it is")
@@ -52,7 +52,7 @@ def _check(room: "Coaxial", wait_s: float) -> bool:
     if image_id is None:
         _end(f"no image came within {wait_s:g} s. Check that the C-arm sends to the service, then check anew.")
     finished = room.finish_daily_check(begun["check_id"], image_id)
-    _tell(finished["items"][len(begun["items"]) :])
+    tell(finished["items"][len(begun["items"]) :])
     typer.echo("the daily check has passed" if finished["passed"] else "the daily check has FAILED")
     return bool(finished["passed"])
 
@@ -66,13 +66,6 @@ def _await_image(room: "Coaxial", images_before: int, wait_s: float) -> str | No
             return str(min(newer, key=lambda image: image["position"])["id"])
         time.sleep(_LOOK_EVERY_S)
     return None
-
-
-def _tell(items: Sequence[Item]) -> None:
-    for one in items:
-        measured = f"{one['measured']:.3g}" if isinstance(one["measured"], float) else one["measured"]
-        line = f"{'ok  ' if one['passed'] else 'FAIL'}  {one['code']}: {measured} (limit {one['limit']}) {one['unit']}"
-        typer.echo(line.rstrip() + (f". {one['what_to_do']}" if one["what_to_do"] else ""))
 
 
 def _end(line: str) -> NoReturn:

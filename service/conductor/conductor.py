@@ -27,6 +27,7 @@ from service.conductor.taking import Prepare, Rules, Taken, stand, take
 from service.database.free_space import check_free_space
 from service.errors import ServiceError
 from service.motion.bridge import ArmBridge
+from service.operations.counts import count_decision
 from service.parts import Parts
 from workflow.case import CaseState
 from workflow.case_json import from_json
@@ -100,6 +101,7 @@ class Conductor:
         if isinstance(result, CommandAnswer):
             return result
         if isinstance(result, Refusal):
+            count_decision(trigger, result.code, result.verdicts)
             raise error_of(result)
         self._follow(result)
         return answer_of(result)
@@ -166,6 +168,7 @@ class Conductor:
         Raises ServiceError guard_down, once all is done, where the guard was not unlocked.
         """
         decision, after = taken.decision, taken.decision.after
+        count_decision(decision.trigger, decision.outcome, decision.verdicts)
         was_locked, is_locked = taken.before.state in LOCKED, after.state in LOCKED
         with self._unlocking:
             if self._live is None or _is_newer(taken, self._live):

@@ -49,6 +49,11 @@ def version_of(database: Database) -> str | None:
         return MigrationContext.configure(connection).get_current_revision()
 
 
+def newest_version() -> str | None:
+    """The schema's version that this program writes."""
+    return ScriptDirectory.from_config(_config()).get_current_head()
+
+
 def _config() -> Config:
     config = Config()
     config.set_main_option("script_location", str(Path(migrations.__file__).parent).replace("%", "%%"))
@@ -56,8 +61,7 @@ def _config() -> Config:
 
 
 def _refusal(database: Database, code: ErrorCode, message: str) -> ServiceError:
-    newest = ScriptDirectory.from_config(_config()).get_current_head()
-    return ServiceError(code, message, measured=version_of(database), limit=newest)
+    return ServiceError(code, message, measured=version_of(database), limit=newest_version())
 
 
 def _has_ledger(connection: Connection) -> bool:

@@ -8,8 +8,9 @@ import structlog
 
 from robot.errors import GuardDownError
 from robot.guard.client import GuardClient, GuardConfig
-from robot.guard.messages import BeginMove, Event, Fault, FaultKind, Heartbeat, PendantReleased, Phase, Status
+from robot.guard.messages import BeginMove, Event, Fault, FaultKind, Heartbeat, PendantReleased, Phase, Status, StopSent
 from service.motion.arm_watch import ArmWatch
+from service.operations.counts import count_stop
 
 OnEvent = Callable[[Event], None]
 _log = structlog.get_logger(__name__)
@@ -26,6 +27,7 @@ class ArmBridge:
         self._stops_to_record = 0
         self._recorded = threading.Condition()
         self._pendant_released = threading.Event()
+        self._stop_asked_s: float | None = None  # the oldest that the guard has not yet told to be out
 
     @property
     def status(self) -> Status | None:
@@ -51,6 +53,8 @@ class ArmBridge:
 
     def stop(self, reason: str) -> bool:
         """Stop the arm, by guard and dashboard; the guard is locked from then on. True if the guard's pipe took it."""
+        if self._stop_asked_s is None:
+            self._stop_asked_s = time.monotonic()
         return self._client is not None and self._client.stop(reason)
 
     def release_pendant(self, reason: str) -> bool:
@@ -119,9 +123,16 @@ class ArmBridge:
         if isinstance(event, Status):
             self._on_status()
             return
+        if isinstance(event, StopSent):
+            self._time_stop(event)
         if isinstance(event, PendantReleased) and event.program_running is False:
             self._pendant_released.set()
         self._on_event(event)
+
+    def _time_stop(self, event: StopSent) -> None:
+        asked_s, self._stop_asked_s = self._stop_asked_s, None
+        if event.written and asked_s is not None and event.at_s >= asked_s:
+            count_stop(event.at_s - asked_s)
 
 
 def _ignore(*_: Event) -> None:

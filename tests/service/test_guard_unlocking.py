@@ -11,6 +11,7 @@ from service.conductor.taking import Prepared, Taken
 from service.errors import ServiceError
 from service.settings import Settings
 from workflow.case import opened
+from workflow.decisions import Outcome
 from workflow.facts import Restarted
 from workflow.states import State
 from workflow.triggers import Trigger
@@ -40,7 +41,8 @@ def conductor() -> Any:
 
 def _taken(sequence: int, before: State, after: State, case_id: str = "case") -> Taken:
     case = opened(case_id)
-    decision = SimpleNamespace(after=replace(case, state=after), effects=(), trigger=Trigger.NOTE, row=None)
+    told = {"trigger": Trigger.NOTE, "row": None, "outcome": Outcome.TAKEN, "verdicts": ()}
+    decision = SimpleNamespace(after=replace(case, state=after), effects=(), **told)
     event = SimpleNamespace(case_id=case_id, sequence=sequence)
     return Taken(decision, replace(case, state=before), event, Prepared(Restarted()))
 

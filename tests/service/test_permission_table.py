@@ -7,7 +7,7 @@ from service.auth.dependencies import any_session, stop_caller
 from service.auth.permissions import ROLE_PERMISSIONS, Permission, Role
 
 # Who signs in has no session yet; health tells nothing.
-_OPEN = {"POST /session", "GET /health"}
+_OPEN = {"POST /session", "GET /health/live", "GET /health/ready"}
 # One's own session, whatever it is still good for.
 _OWN_SESSION = {"GET /session", "DELETE /session", "POST /session/lock", "POST /session/unlock"}
 

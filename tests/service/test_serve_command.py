@@ -80,7 +80,7 @@ def test_a_second_service_is_refused_with_a_code_and_the_first_goes_on(folder):
         assert second.returncode == 3
         assert second.stderr.splitlines()[-1].startswith("room_claimed: ")
         assert str(first.pid) in second.stderr
-        assert httpx.get(f"{url}/api/health").status_code == 200
+        assert httpx.get(f"{url}/api/health/ready").status_code == 200
 
 
 def test_after_a_kill_the_next_service_starts_at_once_with_sessions_and_records(folder):

@@ -1,0 +1,16 @@
+"""Items of a check as lines of text: what was measured, the limit, and what to do where it fails."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import typer
+
+Item = Mapping[str, Any]
+
+
+def tell(items: Iterable[Item]) -> None:
+    """A line for each item."""
+    for one in items:
+        measured = f"{one['measured']:.3g}" if isinstance(one["measured"], float) else one["measured"]
+        line = f"{'ok  ' if one['passed'] else 'FAIL'}  {one['code']}: {measured} (limit {one['limit']}) {one['unit']}"
+        typer.echo(line.rstrip() + (f". {one['what_to_do']}" if one["what_to_do"] else ""))

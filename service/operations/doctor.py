@@ -1,0 +1,183 @@
+"""What `coaxial doctor` looks at, with or without a service running: each item measured, and what to do about it.
+
+It changes nothing: no database, no key and no folder is made by looking.
+"""
+
+import errno
+import shutil
+import socket
+import subprocess
+from collections.abc import Callable, Iterable, Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+
+import sqlalchemy as sa
+from pynetdicom.sop_class import Verification
+
+from robot.dashboard import DASHBOARD_PORT
+from service.auth.permissions import Role
+from service.auth.users import UserStore
+from service.conductor.check_items import CheckItem, device_items, item
+from service.database import tables
+from service.database.engines import Database, open_database
+from service.database.migrate import newest_version, version_of
+from service.errors import ServiceError, answer_for
+from service.ledger.keys import signing_key
+from service.pacs.peer import association_with
+from service.settings import PeerSettings, Settings
+
+_RTDE_PORT = 30004
+_CONNECT_S = 1.0
+_ASK_S = 5.0
+# A record is dated when its transaction begins; another writer's clock may be this much ahead.
+_CLOCK_APART_S = 5.0
+
+
+def examine(settings: Settings) -> list[CheckItem]:
+    """Every item, in the order in which a service needs them."""
+    looks: tuple[Callable[[Settings], Iterable[CheckItem]], ...] = (
+        _disk,
+        _clock,
+        _key,
+        _database,
+        _arm,
+        _dicom,
+        _peers,
+    )
+    return [one for look in looks for one in _typed(look, settings)]
+
+
+def _typed(look: Callable[[Settings], Iterable[CheckItem]], settings: Settings) -> Iterator[CheckItem]:
+    """What one look finds; a refusal on its way is found, too, and ends it."""
+    try:
+        yield from look(settings)
+    except ServiceError as error:
+        cure = answer_for(error.code).what_to_do
+        yield item(error.code, False, error.measured or error.message, error.limit, "", cure)
+
+
+def _disk(settings: Settings) -> Iterable[CheckItem]:
+    folder = settings.data_folder
+    if not folder.is_dir():
+        yield item(
+            "data_folder", False, str(folder), "a folder", "", "Add a first user: `coaxial user add`; it makes it."
+        )
+        return
+    free = shutil.disk_usage(folder).free
+    cure = "Free space on the data folder's disk, or move the folder; without it nothing is recorded and nothing moves."
+    yield item("disk_free", free >= settings.min_free_bytes, free, settings.min_free_bytes, "bytes", cure)
+
+
+def _clock(_: Settings) -> Iterable[CheckItem]:
+    """Whether a time server keeps the clock; told where systemd can be asked, and left out where not."""
+    command = ("timedatectl", "show", "--property", "NTPSynchronized", "--value")
+    try:
+        told = subprocess.run(command, capture_output=True, text=True, timeout=_ASK_S, check=True).stdout.strip()  # noqa: S603  fixed words
+    except (OSError, subprocess.SubprocessError):
+        return
+    cure = "Turn on a time server (`timedatectl set-ntp true`): the record's times are the clock's."
+    yield item("clock_synchronised", told == "yes", told, "yes", "", cure)
+
+
+def _key(settings: Settings) -> Iterable[CheckItem]:
+    if not settings.key_file.exists():
+        cure = (
+            "Start the service once, which makes it; or bring the room's own key back: another one vouches for no past."
+        )
+        yield item("signing_key", False, str(settings.key_file), "a key", "", cure)
+        return
+    yield item("signing_key", True, signing_key(settings.key_file).verifier.name[:12], "its owner's alone", "", "")
+
+
+def _database(settings: Settings) -> Iterable[CheckItem]:
+    address = sa.make_url(settings.database_url)
+    if address.get_backend_name() == "sqlite" and not Path(address.database or "").is_file():
+        cure = "Add a first user: `coaxial user add`; it makes the database."
+        yield item("database", False, str(address.database), "a file", "", cure)
+        return
+    database = open_database(settings.database_url)  # refuses a file that does not keep its journal durably
+    try:
+        yield from _opened(database)
+    finally:
+        database.close()
+
+
+def _opened(database: Database) -> Iterable[CheckItem]:
+    yield _mode(database)
+    version, newest = version_of(database), newest_version()
+    yield item("database_schema", version == newest, version, newest, "", answer_for("schema_old").what_to_do)
+    if version != newest:
+        return
+    with database.read() as connection:
+        reached = connection.execute(sa.select(sa.func.max(tables.ledger.c.reached_at))).scalar()
+    if reached is not None:
+        ahead_s = (datetime.fromisoformat(reached) - datetime.now(UTC)).total_seconds()
+        cure = "Set the clock: the newest record is later than now. Ages and order do not rely on it, dates do."
+        yield item("clock_after_record", ahead_s <= _CLOCK_APART_S, max(ahead_s, 0.0), _CLOCK_APART_S, "s", cure)
+    surgeons = sum(user.role is Role.SURGEON for user in UserStore(database).list())
+    yield item("surgeons", surgeons > 0, float(surgeons), 1.0, "", "Add one: `coaxial user add NAME --role surgeon`.")
+    with database.read() as connection:
+        yield from device_items(connection)
+
+
+def _mode(database: Database) -> CheckItem:
+    """How commits are kept through a power cut."""
+    if database.writer.dialect.name == "sqlite":
+        return item("database_durable", True, "WAL, synchronous FULL", "the same", "", "")
+    names = ("fsync", "synchronous_commit", "full_page_writes")
+    with database.read() as connection:
+        off = [name for name in names if connection.execute(sa.text(f"SHOW {name}")).scalar() == "off"]
+    cure = "Turn these on in postgresql.conf: a power cut would lose what was acknowledged."
+    return item("database_durable", not off, ", ".join(off) or "on", "on", "", cure)
+
+
+def _arm(settings: Settings) -> Iterable[CheckItem]:
+    """Whether the controller listens; nothing is asked of it, so that nobody's motion is disturbed."""
+    if settings.arm_address is None:
+        return
+    cure = "Switch the controller on; check its network, `arm_address`, and that remote control is enabled."
+    for code, port in (("arm_dashboard", DASHBOARD_PORT), ("arm_rtde", _RTDE_PORT)):
+        yield item(code, _listens(settings.arm_address, port), f"{settings.arm_address}:{port}", "listens", "", cure)
+
+
+def _dicom(settings: Settings) -> Iterable[CheckItem]:
+    dicom = settings.dicom
+    callers = ", ".join(dicom.accepted_callers)
+    cure = "Name the C-arm's AE title in `dicom.accepted_callers`: nobody else may send."
+    yield item("dicom_callers", bool(callers), callers, "an AE title", "", cure)
+    here = _is_here(dicom.host, dicom.port)
+    cure = "Name an address of this machine in `dicom.host`, and a port that this user may open in `dicom.port`."
+    yield item("dicom_port", here, f"{dicom.host}:{dicom.port}", "this machine's", "", cure)
+
+
+def _peers(settings: Settings) -> Iterable[CheckItem]:
+    """The hospital's archive and worklist answer an echo, where they are named."""
+    for code, peer in (("archive", settings.pacs), ("worklist", settings.worklist)):
+        if peer.host is not None:
+            answers = _echoes(peer, settings.dicom.ae_title)
+            yield item(code, answers, peer.ae_title, "answers", "", answer_for("peer_unreachable").what_to_do)
+
+
+def _echoes(peer: PeerSettings, calling: str) -> bool:
+    try:
+        with association_with(peer, calling, [Verification]) as association:
+            return "Status" in association.send_c_echo()
+    except ServiceError:
+        return False
+
+
+def _listens(host: str, port: int) -> bool:
+    try:
+        socket.create_connection((host, port), _CONNECT_S).close()
+    except OSError:
+        return False
+    return True
+
+
+def _is_here(host: str, port: int) -> bool:
+    """Whether the address is this machine's, and its port free or in use, then by a service that runs."""
+    try:
+        socket.create_server((host, port)).close()
+    except OSError as error:
+        return error.errno == errno.EADDRINUSE
+    return True

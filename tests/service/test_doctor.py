@@ -1,0 +1,120 @@
+"""`coaxial doctor`: what is well passes, what is not says what to do, and looking changes nothing."""
+
+import json
+import socket
+from collections.abc import Callable
+from datetime import datetime, timedelta
+
+import pytest
+from typer.testing import CliRunner
+
+from service.auth.permissions import Role
+from service.cli.doctor import doctor
+from service.devices.store import DeviceKind, add_device
+from service.ledger.keys import signing_key
+from service.operations.doctor import examine
+from service.settings import DicomSettings, PeerSettings, Settings
+
+
+@pytest.fixture
+def well(tmp_path, database, users, device_files) -> Settings:
+    """The settings of a room in which all is well."""
+    surgeon = users.add("anna", Role.SURGEON, "correct horse", "2468")
+    with database.write() as connection:
+        for kind, content in device_files.items():
+            add_device(connection, DeviceKind(kind), content.encode(), surgeon.id)
+    signing_key(tmp_path / "audit" / "signing.key")
+    return Settings(
+        data_folder=tmp_path,
+        database_url=database.writer.url.render_as_string(hide_password=False),
+        min_free_bytes=0,
+        dicom=DicomSettings(port=0, accepted_callers=("CARM",)),
+    )
+
+
+def _changed(settings: Settings, **changes: object) -> Settings:
+    return settings.model_copy(update=changes)
+
+
+def _failed(settings: Settings) -> dict[str, str]:
+    """What failed, with what to do."""
+    return {
+        one.code: one.what_to_do for one in examine(settings) if not one.passed and one.code != "clock_synchronised"
+    }
+
+
+def test_where_all_is_well_every_item_passes(well):
+    assert _failed(well) == {}
+    codes = {one.code for one in examine(well)}
+    assert {"disk_free", "signing_key", "database_durable", "surgeons", "guide_in_date", "dicom_port"} <= codes
+
+
+@pytest.mark.parametrize(
+    ("spoil", "code"),
+    [
+        (lambda s: _changed(s, min_free_bytes=10**18), "disk_free"),
+        (lambda s: _changed(s, arm_address="127.0.0.9"), "arm_dashboard"),
+        (lambda s: _changed(s, dicom=DicomSettings(port=0)), "dicom_callers"),
+        (lambda s: _changed(s, dicom=DicomSettings(host="203.0.113.1", accepted_callers=("CARM",))), "dicom_port"),
+        (lambda s: _changed(s, pacs=PeerSettings(host="127.0.0.9", port=1)), "archive"),
+        (lambda s: _changed(s, worklist=PeerSettings(host="127.0.0.9", port=1)), "worklist"),
+        (lambda s: s.key_file.chmod(0o644) or s, "key_refused"),
+        (lambda s: s.key_file.unlink() or s, "signing_key"),
+    ],
+)
+def test_what_is_wrong_is_named_and_says_what_to_do(well, spoil: Callable[[Settings], Settings], code):
+    failed = _failed(spoil(well))
+    assert code in failed
+    assert failed[code].endswith(".")
+
+
+def test_a_device_file_past_its_date_is_named(well, database, users, device_files):
+    old = device_files["tcp"].replace('version = "1"', 'version = "0"\nexpires = 2020-01-31')
+    with database.write() as connection:
+        add_device(connection, DeviceKind.TCP, old.encode(), users.list()[0].id)
+    assert "upload a new tcp file" in _failed(well)["tcp_in_date"]
+
+
+def test_a_clock_behind_the_newest_record_is_found(well, monkeypatch):
+    class Yesterday(datetime):
+        @classmethod
+        def now(cls, tz=None):
+            return datetime.now(tz) - timedelta(days=1)
+
+    monkeypatch.setattr("service.operations.doctor.datetime", Yesterday)
+    assert "clock_after_record" in _failed(well)
+
+
+def test_looking_at_nothing_makes_nothing(tmp_path):
+    folder = tmp_path / "none"
+    failed = _failed(Settings(data_folder=folder, dicom=DicomSettings(port=0, accepted_callers=("CARM",))))
+    assert failed.keys() == {"data_folder", "signing_key", "database"}
+    assert not folder.exists()
+
+
+def test_a_room_without_users_or_device_files_says_so(tmp_path, database):
+    settings = Settings(data_folder=tmp_path, database_url=database.writer.url.render_as_string(hide_password=False))
+    assert {"surgeons", "device_unknown"} <= _failed(settings).keys()
+
+
+def test_a_port_in_use_is_taken_for_the_service_that_runs(well):
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        dicom = DicomSettings(port=listening.getsockname()[1], accepted_callers=("CARM",))
+        assert _failed(_changed(well, dicom=dicom)) == {}
+
+
+def test_the_command_prints_lines_or_json_and_ends_with_3_where_something_fails(well, monkeypatch):
+    monkeypatch.setenv("COAXIAL_DATABASE_URL", well.database_url)
+    monkeypatch.setenv("COAXIAL_MIN_FREE_BYTES", str(10**18))
+    lines = CliRunner().invoke(doctor, ["--data-folder", str(well.data_folder)])
+    assert lines.exit_code == 3
+    assert "FAIL  disk_free" in lines.output
+    told = json.loads(CliRunner().invoke(doctor, ["--data-folder", str(well.data_folder), "--json"]).output)
+    assert told["passed"] is False
+    assert {"code", "passed", "measured", "limit", "unit", "what_to_do"} == told["items"][0].keys()
+
+
+def test_an_older_schema_is_named(well, database):
+    with database.writer.begin() as connection:
+        connection.exec_driver_sql("UPDATE alembic_version SET version_num = '0001'")
+    assert "database_schema" in _failed(well)
