@@ -9,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests test-tablet pictures test-postgresql audit-bench bench bench-service bench-senders bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp interlock-removal format docs lock replay-bench
+.PHONY: help demo run test check tests test-tablet pictures test-postgresql audit-bench bench bench-service bench-senders bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp interlock-removal format docs site sbom advisories lock replay-bench
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -112,8 +112,19 @@ docs: $(VENV)/.test  ## write the generated pages and the README's picture anew
 	$(BIN)/python -m workflow.diagram > docs/state-machine.md
 	$(BIN)/python -m service.error_page > docs/error-codes.md
 	$(BIN)/python -m tests.docs.safety_page > docs/safety.md
+	$(BIN)/python -m tests.docs.soup_page > docs/soup.md
 	$(BIN)/python -c 'from workflow.diagram import mermaid; print("```mermaid", mermaid().strip(), "```", sep="\n")' > $(VENV)/picture.md
 	sed -i -e '/state-machine:begin/,/state-machine:end/{//!d}' -e '/state-machine:begin/r $(VENV)/picture.md' README.md
+
+site: $(VENV)/.test  ## build the documentation as a site, strictly, into FOLDER
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict -f docs/site/mkdocs.yml -d $(abspath $(or $(FOLDER),$(VENV)/site))
+
+sbom: $(VENV)/.test  ## write what the product runs with as CycloneDX, with the hashes of the lock file, to FILE
+	$(BIN)/cyclonedx-py requirements requirements.lock --pyproject pyproject.toml --output-reproducible \
+	  --spec-version 1.6 -o $(or $(FILE),$(VENV)/sbom.json)
+
+advisories: $(VENV)/.test  ## ask PyPI's advisories for known holes of what the product runs with; needs a network that has them
+	$(BIN)/pip-audit --strict --disable-pip --require-hashes -r requirements.lock
 
 lock:  ## resolve the three lock files anew (needs uv)
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --extra build \
