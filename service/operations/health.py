@@ -53,7 +53,7 @@ def free_bytes(settings: Settings) -> int | None:
 def _record(parts: Parts) -> list[str]:
     """Why nothing can be recorded: code by code."""
     reasons = []
-    for look in (_read_something, _check_disk):
+    for look in (_ask_database, _check_disk):
         try:
             look(parts)
         except ServiceError as error:
@@ -63,7 +63,7 @@ def _record(parts: Parts) -> list[str]:
     return reasons
 
 
-def _read_something(parts: Parts) -> None:
+def _ask_database(parts: Parts) -> None:
     with parts.database.read() as connection:
         connection.execute(sa.text("SELECT 1"))
 

@@ -31,7 +31,7 @@ def test_a_full_disk_and_a_lost_database_are_named_as_reasons(running, monkeypat
         raise OSError
 
     monkeypatch.setattr(health, "check_free_space", full)
-    monkeypatch.setattr(health, "_read_something", _busy)
+    monkeypatch.setattr(health, "_ask_database", _busy)
     with running.client(None) as stranger:
         answer = stranger.get("/health/ready")
         assert stranger.get("/health/live").status_code == 200

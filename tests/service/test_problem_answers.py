@@ -3,6 +3,7 @@
 import asyncio
 import json
 import socket
+from contextlib import ExitStack
 from urllib.parse import urlsplit
 
 import httpx
@@ -147,3 +148,15 @@ def test_a_fault_of_the_service_tells_an_incident_number_and_nothing_else():
     assert problem["incident"]
     assert "Doe" not in response.text
     assert "RuntimeError" not in response.text
+
+
+@pytest.mark.hazard("H31", "H32")
+def test_half_sent_requests_keep_nobody_from_stopping_and_asking(running):
+    """Slow clients by the hundred: each sends the head of a request and never its end."""
+    address = urlsplit(running.url)
+    with ExitStack() as open_connections, running.client() as client:
+        for _ in range(200):
+            peer = open_connections.enter_context(socket.create_connection((address.hostname, address.port), timeout=5))
+            peer.sendall(b"POST /api/stop HTTP/1.1\r\nHost: x\r\nContent-Le")
+        assert client.post("/stop").status_code == 200
+        assert client.get("/status").status_code == 200

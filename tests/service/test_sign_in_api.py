@@ -2,6 +2,7 @@
 
 import pytest
 
+from service.auth.dependencies import COOKIE
 from service.auth.permissions import Role
 from service.settings import DicomSettings, HttpSettings, SessionSettings, Settings
 
@@ -94,6 +95,17 @@ def test_after_signing_out_the_token_is_worth_nothing(running):
         assert client.delete("/session").status_code == 204
         client.cookies.clear()
         assert _code(client.get("/session", headers={"Authorization": f"Bearer {token}"})) == "not_signed_in"
+
+
+@pytest.mark.hazard("H27")
+def test_a_token_that_was_planted_before_signing_in_is_worth_nothing_after_it(running):
+    planted, credentials = "x" * 43, {"name": "surgeon", "password": _PASSWORD}
+    with running.client(None) as client:
+        client.post("/session", json=credentials, headers={"Cookie": f"{COOKIE}={planted}"})
+        assert client.cookies.get(COOKIE) not in (planted, None)
+        assert client.get("/session").json()["user"] == "surgeon"
+    with running.client(None) as attacker:
+        assert _code(attacker.get("/session", headers={"Authorization": f"Bearer {planted}"})) == "not_signed_in"
 
 
 def test_name_and_pin_sign_in_at_a_tablet(running):

@@ -1,5 +1,7 @@
 """The table against a second one, written anew from the description and expanded to every state x trigger."""
 
+import subprocess
+import sys
 from dataclasses import dataclass, replace
 
 import pytest
@@ -256,6 +258,14 @@ def test_the_two_tables_have_the_same_kinds_and_44_rows():
 def test_a_table_without_one_of_its_entries_is_refused(missing):
     with pytest.raises(IncompleteTableError, match="no entry"):
         index(TABLE[:missing] + TABLE[missing + 1 :])
+
+
+def test_nothing_starts_on_a_table_that_is_not_whole():
+    """The conductor decides by `workflow.machine`: what cannot be imported serves nobody."""
+    broken = "import workflow.table as table; table.TABLE = table.TABLE[1:]; import workflow.machine"
+    started = subprocess.run([sys.executable, "-c", broken], capture_output=True, text=True)
+    assert started.returncode != 0
+    assert "IncompleteTableError: no entry for" in started.stderr
 
 
 def test_a_table_with_overlapping_rows_is_refused():
