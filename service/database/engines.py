@@ -11,7 +11,7 @@ from typing import Any
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection, Engine
-from sqlalchemy.exc import DBAPIError, OperationalError
+from sqlalchemy.exc import DatabaseError, DBAPIError, OperationalError
 
 from service.database.json_text import to_text
 from service.database.turns import Turns
@@ -78,8 +78,11 @@ def open_database(url: str, signer: Signer | None = None) -> Database:
     else:
         address = address.set(drivername="postgresql+psycopg")
         database = Database(_postgresql_engine(address, writes=True), _postgresql_engine(address, writes=False), signer)
-    with _typed_faults(), database.writer.connect():
-        return database
+    try:
+        with _typed_faults(), database.writer.connect():
+            return database
+    except UnicodeDecodeError as error:  # SQLite's message quotes text of a damaged schema
+        raise ServiceError(ErrorCode.DATABASE_FAULT, "the database file is damaged") from error
 
 
 def _sqlite_engine(address: sa.URL, *, writes: bool) -> Engine:
@@ -127,10 +130,14 @@ def _postgresql_engine(address: sa.URL, *, writes: bool) -> Engine:
 
 @contextmanager
 def _typed_faults() -> Iterator[None]:
-    """Lock waits, full disks and I/O errors as ServiceError; broken constraints stay what they are."""
+    """Lock waits, full disks, I/O errors and damaged files as ServiceError; broken constraints stay what they are."""
     try:
         yield
     except OperationalError as error:
+        raise _fault(error) from error
+    except DatabaseError as error:
+        if type(error) is not DatabaseError:  # a kind of it that says more than that the file is damaged
+            raise
         raise _fault(error) from error
 
 

@@ -5,7 +5,6 @@ contradicts it. An anchor that the database contradicts is evidence: it is never
 """
 
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import structlog
 from service.database import tables
 from service.database.engines import Database
 from service.ledger.checkpoints import statement_on
+from service.ledger.durable_file import replace_text
 from service.ledger.entries import Head, head_of
 from service.ledger.keys import Signer, Verifier
 
@@ -56,12 +56,9 @@ def advance_anchor(database: Database, file: Path, signer: Signer) -> None:
 
 
 def _write(file: Path, statement: str, signer: Signer) -> None:
-    """Replaced whole: a crash leaves the older anchor, which the database still confirms."""
+    """Replaced whole: a crash or a power cut leaves the older anchor, which the database still confirms."""
     text = json.dumps({"statement": statement, "signature": signer.sign(statement)})
-    part = file.with_suffix(f".{os.getpid()}")
     try:
-        file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        part.write_text(text)
-        part.replace(file)
+        replace_text(file, text)
     except OSError as error:  # H24: another disk is full or away; the record goes on, the anchor follows later
         _log.error("anchor_not_written", reason=error.strerror)

@@ -32,9 +32,14 @@ class ChainCheck:
         place: sa.BindParameter[int] = sa.bindparam("place")
         query = sa.select(*columns).where(_LEDGER.sequence > place, _LEDGER.sequence <= self._end)
         query = query.order_by(_LEDGER.sequence).limit(_A_TIME)
-        while rows := self._connection.execute(query, {"place": self._before.sequence}).cursor.fetchall():
+        newest = self._before.sequence
+        while rows := self._connection.execute(query, {"place": newest}).cursor.fetchall():
             yield [entry for row in rows if (entry := self._entry(*row)) is not None]
             self._verification.entries += len(rows)
+            if self._before.sequence <= newest:  # only of a damaged file: following its order would never end
+                self._verification.find("ledger", f"an earlier entry stands behind entry {newest}: the file is damaged")
+                return
+            newest = self._before.sequence
 
     def _entry(self, *row: Any) -> Entry | None:
         *repeated, text, sha256, reached_at = row
