@@ -9,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo run test check tests test-tablet pictures test-postgresql audit-bench bench bench-service bench-senders bench-stop fault-matrix samples scenes two-images faulted side-by-side tcp interlock-removal format docs site sbom advisories lock replay-bench
+.PHONY: $(shell grep -oE '^[a-z-]+:' Makefile | tr -d ':')
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' Makefile | sed 's/:.*## /\t/' | expand -t 12
@@ -34,7 +34,7 @@ ON_POSTGRESQL := $(addprefix tests/service/,ledger test_engines.py test_event_st
 # What keeps real time (the arm's 125 Hz, a heartbeat's 200 ms) mostly waits: two files at a time disturb one another
 # little, calculations beside them would.
 tests: $(VENV)/.test
-	@for need in dcmtk:storescu dicom3tools:dciodvfy orthanc:Orthanc postgresql:pg_lsclusters; do command -v $${need#*:} >/dev/null || \
+	@for need in dcmtk:storescu dicom3tools:dciodvfy orthanc:Orthanc postgresql:pg_lsclusters strace:strace; do command -v $${need#*:} >/dev/null || \
 	  { echo "missing Debian package: apt-get install $${need%:*}"; exit 1; }; done
 	$(BIN)/python -m pytest -n 2 -m "not real_time"
 	$(BIN)/python -m pytest -n 2 --database postgresql $(ON_POSTGRESQL)
@@ -43,6 +43,10 @@ tests: $(VENV)/.test
 bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; COUNT=2000 trials of KINDS, or MINUTES; kept in FOLDER
 	$(BIN)/python -m benchmarks.stop --count $(or $(COUNT),2000) $(if $(KINDS),--kinds $(KINDS)) \
 	  $(if $(MINUTES),--minutes $(MINUTES)) --folder $(or $(FOLDER),$(VENV)/stop)
+
+evidence: $(VENV)/.test  ## kills, power cuts, full disks and flipped bits against a whole case, and docs/evidence.md; goes on where it ended; SHARE=1 of ITEMS; results kept in FOLDER
+	$(BIN)/python -m benchmarks.evidence --folder $(or $(FOLDER),$(VENV)/evidence) --share $(or $(SHARE),1) \
+	  $(if $(ITEMS),--items $(ITEMS)) --page docs/evidence.md
 
 fault-matrix: $(VENV)/.test  ## every fault in every state of a motion, over the real protocols
 	$(BIN)/python -m pytest tests/robot/test_fault_matrix.py -v

@@ -4,9 +4,10 @@ The results come from the service's own image work and path check; only states a
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,7 @@ from service.conductor.goals import goal_asked_for, goal_at_target
 from service.conductor.image_flow import evaluation_of, registration_artefact
 from service.conductor.plan_content import plan_content
 from service.conductor.targets import target_artefact
+from service.database.engines import Database
 from service.devices.store import DeviceKind, add_device
 from service.images.dicom_header import read_header
 from service.images.store import NewPurpose, add_image, assign_purpose
@@ -121,53 +123,82 @@ def _plan(kind: PlanKind, goal: Any, start: np.ndarray) -> dict[str, Any]:
     return plan_content(kind, goal, start, path)
 
 
-def record(connection: Connection, settings: Settings, user_id: str, results: Results, state: State) -> str:
+def record(database: Database, settings: Settings, user_id: str, results: Results, state: State) -> str:
     """Record a case that went so far, and is in `state` now; its id."""
-    for kind, content in DEVICES.items():
-        add_device(connection, kind, content, user_id)
-    session = Session("none", user_id, "none", Role.SURGEON, SessionStatus.ACTIVE, math.inf)
-    case_id = open_case(connection, CaseToOpen.model_validate(_CASE), session, settings).case_id
-    made = _Making(connection, opened(case_id), user_id)
-    first, second = (made.image(content, pose) for content, pose in zip(results.images, results.poses, strict=True))
-    registration = registration_artefact(uuid4().hex, first, dict(results.registration))
-    target = target_artefact(uuid4().hex, first, registration.id, results.targeting, _DEPTH_MM, "L3 left")
-    view_id = uuid4().hex
-    plan = NewArtefact(ArtefactKind.PLAN, uuid4().hex, (view_id, first, registration.id, target.id), results.plan, {})
-    lift = NewArtefact(ArtefactKind.PLAN, uuid4().hex, (), results.lift, {})
-    made.event("image_arrived", {"image_id": first})
-    made.event("registration_completed", {"image_id": first}, registration)
-    made.event("target_confirmed", {}, target)
-    made.case = replace(made.case, target=Artefact(target.id, target.made_from))
-    made.event("plan_requested", {}, plan)
-    made.event("plan_requested", {}, lift)
-    made.event("image_arrived", {"image_id": second})
-    evaluated = evaluation_of(second, dict(results.evaluation))
-    made.event("verification_passed", {"image_id": second}, *evaluated.artefacts)
-    made.case = replace(made.case, state=state)
-    made.event("case_closed" if state is State.CLOSED else "note", {})
-    if state is State.CLOSED:
-        describe(connection, checkpoint="case_closed")
-    return case_id
+    recording = Recording(settings, user_id, results, state)
+    for step in recording.steps():
+        with database.write() as connection:
+            step(connection)
+    return recording.case.case_id
 
 
-@dataclass
-class _Making:
-    connection: Connection
-    case: CaseState
-    user_id: str
+Step = Callable[[Connection], None]
 
-    def image(self, content: bytes, base_from_tcp: np.ndarray) -> str:
-        """Store an image with its purpose."""
+
+class Recording:
+    """A case that is being recorded, transaction by transaction."""
+
+    def __init__(self, settings: Settings, user_id: str, results: Results, state: State) -> None:
+        self.case: CaseState
+        self._settings = settings
+        self._user_id = user_id
+        self._results = results
+        self._state = state
+        self._image_id = ""  # of the image recorded last
+
+    def steps(self) -> Iterator[Step]:
+        """Each in a transaction of its own, before the next is asked for; one that failed may be taken again."""
+        first, second = zip(self._results.images, self._results.poses, strict=True)
+        yield self._devices
+        yield self._open
+        yield partial(self._image, *first)
+        registration = registration_artefact(uuid4().hex, self._image_id, dict(self._results.registration))
+        yield from self._to_the_plan(self._image_id, registration)
+        yield partial(self._image, *second)
+        evaluated = evaluation_of(self._image_id, dict(self._results.evaluation))
+        yield self._event("image_arrived", {"image_id": self._image_id})
+        yield self._event("verification_passed", {"image_id": self._image_id}, *evaluated.artefacts)
+        yield self._ending
+
+    def _to_the_plan(self, image_id: str, registration: NewArtefact) -> Iterator[Step]:
+        target = target_artefact(uuid4().hex, image_id, registration.id, self._results.targeting, _DEPTH_MM, "L3 left")
+        made_from = (uuid4().hex, image_id, registration.id, target.id)
+        plan = NewArtefact(ArtefactKind.PLAN, uuid4().hex, made_from, self._results.plan, {})
+        lift = NewArtefact(ArtefactKind.PLAN, uuid4().hex, (), self._results.lift, {})
+        yield self._event("image_arrived", {"image_id": image_id})
+        yield self._event("registration_completed", {"image_id": image_id}, registration)
+        yield self._event("target_confirmed", {}, target)
+        self.case = replace(self.case, target=Artefact(target.id, target.made_from))
+        yield self._event("plan_requested", {}, plan)
+        yield self._event("plan_requested", {}, lift)
+
+    def _devices(self, connection: Connection) -> None:
+        for kind, content in DEVICES.items():
+            add_device(connection, kind, content, self._user_id)
+
+    def _open(self, connection: Connection) -> None:
+        session = Session("none", self._user_id, "none", Role.SURGEON, SessionStatus.ACTIVE, math.inf)
+        told = open_case(connection, CaseToOpen.model_validate(_CASE), session, self._settings)
+        self.case = opened(told.case_id)
+
+    def _image(self, content: bytes, base_from_tcp: np.ndarray, connection: Connection) -> None:
         header, problem = read_header(content, Settings().dicom)
-        image = add_image(self.connection, content, header, problem, {"calling_ae": "CARM"})
+        self._image_id = add_image(connection, content, header, problem, {"calling_ae": "CARM"}).id
         arm = {"base_from_tcp": base_from_tcp.tolist()}
-        assign_purpose(self.connection, NewPurpose(image.id, self.case.case_id, "registration", arm, ()))
-        return image.id
+        assign_purpose(connection, NewPurpose(self._image_id, self.case.case_id, "registration", arm, ()))
 
-    def event(self, trigger: str, data: Mapping[str, Any], *artefacts: NewArtefact) -> None:
-        """Append an event with what it made."""
-        event = NewEvent(trigger, self.user_id, self.case.state, to_json(self.case), {"told_as": trigger, **data})
-        store.append(self.connection, self.case.case_id, event, expected_version=None, artefacts=artefacts)
+    def _event(self, trigger: str, data: Mapping[str, Any], *artefacts: NewArtefact) -> Step:
+        def append(connection: Connection) -> None:
+            event = NewEvent(trigger, self._user_id, self.case.state, to_json(self.case), {"told_as": trigger, **data})
+            store.append(connection, self.case.case_id, event, expected_version=None, artefacts=artefacts)
+
+        return append
+
+    def _ending(self, connection: Connection) -> None:
+        self.case = replace(self.case, state=self._state)
+        self._event("case_closed" if self._state is State.CLOSED else "note", {})(connection)
+        if self._state is State.CLOSED:
+            describe(connection, checkpoint="case_closed")
 
 
 def _tilted_guide() -> np.ndarray:

@@ -45,8 +45,7 @@ def record_archive(folder: Path, cases: int) -> None:
     with current_database(settings) as database:
         surgeon = UserStore(database, PasswordHasher(1, 8, 1)).add("anna", Role.SURGEON, "correct horse", "2468")
         for number in range(1, cases + 1):
-            with database.write() as connection:
-                recorded_cases.record(connection, settings, surgeon.id, results, State.CLOSED)
+            recorded_cases.record(database, settings, surgeon.id, results, State.CLOSED)
             if number % 50 == 0:
                 print(f"{number} cases recorded", file=sys.stderr, flush=True)
 

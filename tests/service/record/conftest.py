@@ -72,8 +72,7 @@ def make_site(results: recorded_cases.Results) -> Callable[..., Site]:
         with current_database(settings) as database:
             surgeon = UserStore(database, PasswordHasher(1, 8, 1)).add("anna", Role.SURGEON, "correct horse", "2468")
             for state in states:
-                with database.write() as connection:
-                    case_id = recorded_cases.record(connection, settings, surgeon.id, results, state)
+                case_id = recorded_cases.record(database, settings, surgeon.id, results, state)
             with database.write() as connection:  # an entry behind the signature of the closing
                 last = store.newest_event(connection, case_id)
                 note = NewEvent("note", surgeon.id, last.state, last.case_state, {"text": "seen"}, changes_state=False)

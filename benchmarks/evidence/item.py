@@ -1,0 +1,48 @@
+"""One row of the evidence: what is tried how often, what came of it, and what that proves."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from scipy.stats import binomtest
+
+Trial = dict[str, Any]  # `number`, `bad`, and what it was about
+
+
+@dataclass(frozen=True)
+class Item:
+    """What is tried, by number; `trials` yields one result for each number that it is given."""
+
+    name: str
+    what: str
+    asked: str
+    count: Callable[[Path], int]  # trials for the whole proof; may depend on what is prepared in the folder
+    trials: Callable[[Path, Sequence[int]], Iterator[Trial]]
+    at_once: int  # numbers given at a time
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What the trials amount to."""
+
+    done: int
+    planned: int
+    bad: int
+    share_95: float  # at most so many are bad, with 95 % confidence (Clopper and Pearson)
+    kinds: dict[str, int]
+
+    @property
+    def holds(self) -> bool:
+        """All done, and none bad."""
+        return self.bad == 0 and self.done >= self.planned
+
+
+def summary(trials: Sequence[Trial], planned: int) -> Summary:
+    """Counts by what each trial was about (`kind`)."""
+    bad = sum(trial["bad"] for trial in trials)
+    share = float(binomtest(bad, len(trials)).proportion_ci(0.95, method="exact").high) if trials else 1.0
+    kinds: dict[str, int] = {}
+    for trial in trials:
+        kinds[trial["kind"]] = kinds.get(trial["kind"], 0) + 1
+    return Summary(len(trials), planned, bad, share, kinds)

@@ -1,0 +1,32 @@
+"""The page of the evidence, made from its results."""
+
+from collections.abc import Sequence
+
+from benchmarks.evidence.item import Item, Summary
+
+_HEAD = """# Evidence
+
+Made by `make evidence` from its results; written by no hand. Trials are numbered, and a number is its seed: the same
+number is the same trial. `at most` is the share of bad trials that 95 % confidence leaves open (Clopper and Pearson).
+
+| what | asked | done | of | bad | at most | holds |
+|---|---|---:|---:|---:|---:|---|
+"""
+
+
+def page(rows: Sequence[tuple[Item, Summary]]) -> str:
+    """Markdown: a table of all, then what each consists of."""
+    table = "\n".join(_row(item, figures) for item, figures in rows)
+    parts = "\n".join(_part(item, figures) for item, figures in rows if figures.done)
+    return f"{_HEAD}{table}\n\n## What was tried\n\n{parts}\n"
+
+
+def _row(item: Item, figures: Summary) -> str:
+    holds = "yes" if figures.holds else ("no" if figures.bad else "not all run")
+    cells = (item.what, item.asked, f"{figures.done:,}", f"{figures.planned:,}", f"{figures.bad:,}")
+    return f"| {' | '.join(cells)} | {100 * figures.share_95:.3g} % | {holds} |"
+
+
+def _part(item: Item, figures: Summary) -> str:
+    kinds = ", ".join(f"{kind} {count:,}" for kind, count in sorted(figures.kinds.items()))
+    return f"- **{item.name}**: {kinds}."

@@ -1,0 +1,63 @@
+"""Bits flipped in a recorded case by somebody who has the file and not the key: found, or no record has changed."""
+
+import shutil
+import sqlite3
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from pathlib import Path
+from random import Random
+from tempfile import TemporaryDirectory
+
+from benchmarks.evidence.failing_calls import prepared_in
+from benchmarks.evidence.item import Trial
+from benchmarks.evidence.power_loss import look
+from benchmarks.evidence.system_calls import untroubled
+from benchmarks.evidence.whole_case import settings_of
+from service.database import tables
+
+_TABLES = sorted(table.name for table in (*tables.RECORDS, *tables.LEDGER))
+
+
+def flips(folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
+    """One bit of the database's file for each number."""
+    recorded = _recorded_in(folder)
+    with TemporaryDirectory() as place:
+        victim = Path(place) / "data"
+        shutil.copytree(recorded, victim)
+        content = _file(recorded).read_bytes()
+        rows = _rows(_file(recorded))
+        for number in numbers:
+            bit = Random(number).randrange(len(content) * 8)
+            _lay(_file(victim), content, bit)
+            found = look(victim)[1]
+            unseen = not found and _rows(_file(victim)) != rows
+            yield {"number": number, "kind": "found" if found else "no record changed", "bad": unseen, "bit": bit}
+
+
+def _recorded_in(folder: Path) -> Path:
+    recorded = folder / "recorded"
+    if not recorded.exists():
+        with TemporaryDirectory(dir=folder) as place:
+            shutil.copytree(prepared_in(folder), Path(place) / "data")
+            untroubled(Path(place) / "data")
+            (Path(place) / "data").rename(recorded)
+    return recorded
+
+
+def _file(folder: Path) -> Path:
+    return Path(str(settings_of(folder).database_url).removeprefix("sqlite:///"))
+
+
+def _lay(file: Path, content: bytes, bit: int) -> None:
+    """The file with one bit changed, and nothing kept from the last one."""
+    for beside in file.parent.glob(f"{file.name}-*"):
+        beside.unlink()
+    changed = bytearray(content)
+    changed[bit // 8] ^= 1 << bit % 8
+    file.write_bytes(changed)
+
+
+def _rows(file: Path) -> list[object]:
+    """Every row of the record and its ledger."""
+    with closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True)) as connection:
+        return [row for name in _TABLES for row in connection.execute(f"SELECT rowid, * FROM {name} ORDER BY rowid")]
