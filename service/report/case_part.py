@@ -5,7 +5,7 @@ from typing import Any
 
 from service.report.course import TargetWork
 from service.report.record import CaseRecord
-from service.report.totals import Totals
+from service.report.totals import Exposures, Totals
 from service.report.wording import NOT_TOLD, NOTHING, figure, lasted, moment, person_name, words
 from workflow.triggers import Trigger
 
@@ -107,7 +107,7 @@ def totals_rows(totals: Totals) -> list[Row]:
     """What, here, and as published."""
     here = [
         str(totals.targets_placed),
-        str(totals.images),
+        str(totals.exposures.images),
         figure(totals.images_per_target, decimals=1),
         figure(totals.minutes_per_target, decimals=1),
         f"{figure(totals.angle_deg, '°')} (paper’s way {figure(totals.paper_angle_deg, '°')})",
@@ -115,15 +115,16 @@ def totals_rows(totals: Totals) -> list[Row]:
     ]
     what = ("Targets placed", "Images", "Images per target", "Minutes per target", "Largest angle error")
     rows = [list(row) for row in zip((*what, "Largest position error"), here, _PUBLISHED, strict=True)]
-    return [*rows, ["Dose-area product", dose(totals), NOTHING]]
+    return [*rows, ["Dose-area product", dose(totals.exposures), NOTHING]]
 
 
-def dose(totals: Totals) -> str:
-    """The sum, and of how many images."""
-    if totals.dose_dgy_cm2 is None:
+def dose(exposures: Exposures) -> str:
+    """The sum, and of how many images where some were not told."""
+    if exposures.dose_dgy_cm2 is None:
         return "not told by the C-arm"
-    told = figure(totals.dose_dgy_cm2, "dGy·cm²")
-    return told if totals.dosed == totals.images else f"{told} (told of {totals.dosed} of {totals.images} images)"
+    told = figure(exposures.dose_dgy_cm2, "dGy·cm²")
+    whole = exposures.dosed == exposures.images
+    return told if whole else f"{told}, told of {exposures.dosed} of {exposures.images} images"
 
 
 def device_rows(record: CaseRecord) -> list[Row]:

@@ -10,9 +10,9 @@ from service.database.engines import Database
 from service.report import case_part, safety_part
 from service.report.course import Judgement, TargetWork, course_of
 from service.report.record import CaseRecord, read_record
-from service.report.target_part import other_exposures, target_part
+from service.report.target_part import came_of, other_exposures, target_part
 from service.report.totals import totals_of
-from service.report.wording import clock, figure
+from service.report.wording import clock, figure, words
 from service.vision_worker import VisionWorker
 from workflow.decisions import ImageUse
 
@@ -92,11 +92,15 @@ def _figure(record: CaseRecord, one: _Shown, file: str | None) -> dict[str, Any]
     """File (None where the image could not be drawn), caption and verdict of a picture."""
     at = clock(record.images[one.image_id].stored.received_at)
     if one.judgement is None:
-        return {"file": file, "caption": f"Before the motion onto the target, {at} UTC", "verdict": ""}
+        aimed, became = "Before the motion onto the target", came_of(record, one.image_id)
+        caption = f"{aimed}, {at}" if one.target is not None else f"Image of {at}: {became}"
+        return {"file": file, "caption": caption, "verdict": ""}
     contour = one.judgement.figures["contour"]
     errors = f"{figure(contour['angle_error_deg'], '°')}, {figure(contour['position_error_mm'], 'mm')}"
     verdict = case_part.PASS if one.judgement.passed else case_part.FAIL
-    return {"file": file, "caption": f"After the motion, {at} UTC: {errors}", "verdict": verdict}
+    motion = one.judgement.event.case_state.get("motion")
+    kind = f"{words(motion['kind'])} motion" if motion else "motion"
+    return {"file": file, "caption": f"After the {kind}, {at}: {errors}", "verdict": verdict}
 
 
 def _document(record: CaseRecord, course: Sequence[TargetWork], targets: Sequence[Json]) -> dict[str, Any]:

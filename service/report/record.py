@@ -12,7 +12,6 @@ from service.auth.users import user_names
 from service.cases import store
 from service.cases.attempts import list_attempts
 from service.cases.records import ArtefactKind, Json, StoredArtefact, StoredCase, StoredEvent
-from service.conductor.target_list import target_states
 from service.database import tables
 from service.devices.store import StoredDevice, read_device
 from service.images.store import NewPurpose, StoredImage, list_images, original_bytes, purpose_of
@@ -55,13 +54,12 @@ class CaseRecord:
     """A case as its report tells it.
 
     `decisions` are the requests and observations with the verdict of every interlock, oldest first; `artefacts` by
-    kind and id; `people` the names of users by id; `target_states` what became of each planned target.
+    kind and id; `people` the names of users by id.
     """
 
     case: StoredCase
     identity: Dataset
     planned: Mapping[str, Json]
-    target_states: Mapping[str, str]
     events: Sequence[StoredEvent]
     artefacts: Mapping[ArtefactKind, Mapping[str, StoredArtefact]]
     images: Mapping[str, CaseImage]
@@ -90,7 +88,6 @@ def read_record(connection: Connection, case_id: str) -> CaseRecord:
         case=case,
         identity=identity_of(connection, case),
         planned=store.planned_targets(connection, case_id),
-        target_states=target_states(connection, case_id),
         events=events,
         artefacts={kind: _artefacts(connection, kind, case_id) for kind in ArtefactKind},
         images=images,

@@ -63,7 +63,7 @@ def _why_not(decision: Json) -> list[str]:
 
 def _told(verdict: Json) -> str:
     value, limit = (measured(verdict[name], verdict["unit"]) for name in ("measured", "limit"))
-    return f"{verdict['code']}: {value}, limit {limit}. {verdict['message']} ({verdict['hazard']})"
+    return f"{verdict['code']}: {value}, limit {limit}; {verdict['message']} ({verdict['hazard']})"
 
 
 @dataclass(slots=True)

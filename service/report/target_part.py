@@ -5,10 +5,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from service.cases.records import ArtefactKind, Json, StoredArtefact, StoredEvent
-from service.report.case_part import FAIL, PASS, Row, result_of
+from service.report.case_part import FAIL, PASS, Row, dose, result_of
 from service.report.course import Judgement, TargetWork
-from service.report.record import CaseRecord
-from service.report.totals import DOSE
+from service.report.record import CaseImage, CaseRecord
+from service.report.totals import dose_of, exposures_of
 from service.report.wording import NOT_TOLD, NOTHING, clock, figure, lasted, measured, moment, seconds_between, words
 from workflow.triggers import Trigger
 
@@ -24,23 +24,46 @@ _RESULTS = (
 def target_part(record: CaseRecord, number: int, work: TargetWork, figures: Sequence[Json]) -> dict[str, Any]:
     """One target as the template takes it; `figures` are file and caption of its pictures."""
     end = work.done or work.events[-1]
+    images = [record.images[image_id] for image_id in work.image_ids() if image_id in record.images]
     return {
         "title": work.name or "No target chosen",
         "number": str(number),
         "result": result_of(work),
         "verdict": "" if work.final is None else PASS if work.final.passed else FAIL,
-        "times": f"{moment(work.events[0].recorded_at)} to {clock(end.recorded_at)} UTC, {lasted(work.seconds)}",
+        "took": f"{moment(work.events[0].recorded_at)} to {clock(end.recorded_at)}, {lasted(work.seconds)}",
+        "times": list(_times(work)),
         "figures": list(figures),
         "errors": [_errors(number, one) for number, one in enumerate(work.judgements, 1)],
         "moves": [_move(record, event) for event in work.events if event.trigger == Trigger.MOVE_STARTED],
-        "exposures": [_exposure(record, image_id) for image_id in work.image_ids() if image_id in record.images],
+        "exposures": [_exposure(record, one) for one in images],
+        "dose": f"Dose-area product: {dose(exposures_of(images))}",
     }
+
+
+_MILESTONES = {
+    Trigger.CARM_POSITION_CONFIRMED: "C-arm",
+    Trigger.IMAGE_ARRIVED: "Image",
+    Trigger.TARGET_CONFIRMED: "Target",
+    Trigger.VERIFICATION_PASSED: "Verified",
+    Trigger.INSERTION_STARTED: "Insertion",
+    Trigger.SLEEVE_IN: "Sleeve in",
+    Trigger.SLEEVE_REMOVED: "Sleeve out",
+    Trigger.TARGET_DONE: "Done",
+}
+
+
+def _times(work: TargetWork) -> Iterator[Row]:
+    """What was confirmed, taken, chosen, reached, and when: a verification the last time, all else the first time."""
+    for trigger, what in _MILESTONES.items():
+        reached = [event.recorded_at for event in work.events if event.trigger == trigger]
+        last = trigger is Trigger.VERIFICATION_PASSED
+        yield [what, clock(reached[-1 if last else 0]) if reached else NOTHING]
 
 
 def _errors(number: int, one: Judgement) -> dict[str, Any]:
     """A judged verification: both errors with their bound against the limit, both ways, and the other checks."""
     return {
-        "title": f"Verification {number}, {clock(one.event.recorded_at)} UTC",
+        "title": f"Verification {number}, {clock(one.event.recorded_at)}",
         "verdict": PASS if one.passed else FAIL,
         "depth": figure(one.target.content["depth_mm"], "mm", decimals=0),
         "rows": [
@@ -103,27 +126,27 @@ def _ending(motion: StoredArtefact) -> str:
     return f"{cause} ({motion.content['code']})" if "code" in motion.content else cause
 
 
-def _exposure(record: CaseRecord, image_id: str) -> Row:
+def _exposure(record: CaseRecord, image: CaseImage) -> Row:
     """When, what for, the C-arm's angles, tube voltage, time, dose, what came of it."""
-    image = record.images[image_id]
     said = image.stored.metadata
     angles = [figure(said.get(f"positioner_{axis}_deg"), decimals=1) for axis in ("primary", "secondary")]
     return [
         clock(image.stored.received_at),
         words(image.purpose.purpose),
         NOT_TOLD if angles == [NOTHING] * 2 else " / ".join(angles),
-        _told(said, "tube_voltage_kv", 0),
-        _told(said, "exposure_time_ms", 0),
-        _told(said, DOSE, 2),
-        _came_of(record, image_id),
+        _told(said.get("tube_voltage_kv"), 0),
+        _told(said.get("exposure_time_ms"), 0),
+        _told(dose_of(image), 2),
+        came_of(record, image.stored.id),
     ]
 
 
-def _told(said: Json, key: str, decimals: int) -> str:
-    return figure(said[key], decimals=decimals) if key in said else NOT_TOLD
+def _told(value: float | None, decimals: int) -> str:
+    return NOT_TOLD if value is None else figure(value, decimals=decimals)
 
 
-def _came_of(record: CaseRecord, image_id: str) -> str:
+def came_of(record: CaseRecord, image_id: str) -> str:
+    """What an image was registered, verified or refused as."""
     events = [event for event in record.events if event.trigger in _RESULTS and event.data.get("image_id") == image_id]
     return "; ".join(_result(event) for event in events) or "not evaluated"
 
@@ -142,4 +165,4 @@ def _result(event: StoredEvent) -> str:
 def other_exposures(record: CaseRecord, course: Sequence[TargetWork]) -> list[Row]:
     """Images of the case that arrived outside the work on any target."""
     told = {image_id for work in course for image_id in work.image_ids()}
-    return [_exposure(record, image_id) for image_id in record.images if image_id not in told]
+    return [_exposure(record, image) for image_id, image in record.images.items() if image_id not in told]

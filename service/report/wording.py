@@ -71,9 +71,9 @@ def seconds_between(start: str, end: str) -> float | None:
 
 
 def lasted(seconds: float | None) -> str:
-    """A duration in minutes and seconds."""
+    """A duration in minutes and seconds; unknown where the clock was set back meanwhile."""
     if seconds is None:
-        return "unknown: the clock was set back"
+        return "unknown"
     minutes, rest = divmod(round(seconds), 60)
     return f"{minutes}:{rest:02d}\N{NO-BREAK SPACE}min"
 
