@@ -73,6 +73,7 @@ class _Tally:
     verdict: Json
     judged: int = 0
     failed: int = 0
+    unknown: int = 0
     values: list[float] = field(default_factory=list)
 
 
@@ -88,6 +89,7 @@ def interlocks(record: CaseRecord) -> list[Row]:
 
 def _count(tally: _Tally, verdict: Json) -> None:
     value = verdict["measured"]
+    tally.unknown += value is None
     tally.verdict = verdict
     tally.judged += 1
     tally.failed += not verdict["passed"]
@@ -100,6 +102,7 @@ def _interlock(hazard: str, code: str, tally: _Tally) -> Row:
     values, shown = NOTHING, NOTHING
     if tally.values:
         values, shown = measured_range(tally.values, unit), measured(limit, unit)
+        values += f", {tally.unknown} unknown" if tally.unknown else ""
     return [hazard, code, str(tally.judged), str(tally.failed), values, shown]
 
 

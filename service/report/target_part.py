@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from service.cases.records import ArtefactKind, Json, StoredArtefact, StoredEvent
-from service.report.case_part import FAIL, PASS, Row, dose, result_of
+from service.report.case_part import FAIL, NONE, PASS, Row, dose, result_of
 from service.report.course import Judgement, TargetWork
 from service.report.record import CaseImage, CaseRecord
 from service.report.totals import dose_of, exposures_of
@@ -29,7 +29,7 @@ def target_part(record: CaseRecord, number: int, work: TargetWork, figures: Sequ
         "title": work.name or "No target chosen",
         "number": str(number),
         "result": result_of(work),
-        "verdict": "" if work.final is None else PASS if work.final.passed else FAIL,
+        "verdict": NONE if work.final is None else PASS if work.final.passed else FAIL,
         "took": f"{moment(work.events[0].recorded_at)} to {clock(end.recorded_at)}, {lasted(work.seconds)}",
         "times": list(_times(work)),
         "figures": list(figures),

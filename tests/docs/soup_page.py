@@ -31,7 +31,7 @@ PURPOSE = {
     "highdicom": "structured reports and annotated images",
     "httpx": "HTTP of the Python client",
     "limits": "counting wrong answers before a name is locked out",
-    "matplotlib": "the plot of `coaxial budget`",
+    "matplotlib": "the plot of `coaxial budget`; letters of the report (DejaVu)",
     "nibabel": "a CT (NIfTI) as the simulated patient",
     "noto-cjk-sans-otc": "letters of the report",
     "numpy": "arrays",

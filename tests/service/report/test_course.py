@@ -110,11 +110,13 @@ def test_every_failed_interlock_is_told_and_all_are_counted(telling):
     failed = verdict | {"passed": False, "measured": 0.0349, "message": "too far"}
     telling.decide("plan_requested", "s", failed, accepted=False)
     telling.decide("plan_requested", "s", verdict | {"passed": True, "measured": 0.001, "message": ""})
+    telling.decide("plan_requested", "s", verdict | {"passed": False, "measured": None, "message": "unknown"})
     record = telling.record()
-    (row,) = safety_part.failures(record)
+    row, unknown = safety_part.failures(record)
     assert row[1:] == ["anna", "plan requested", "refused", ["angle_error: 2°, limit 1°; too far (H28)"]]
-    assert safety_part.interlocks(record) == [["H28", "angle_error", "2", "1", "0.057 to 2°", "1°"]]
-    assert safety_part.decided(record) == "2 decisions with 2 verdicts of interlocks; 1 refused."
+    assert safety_part.interlocks(record) == [["H28", "angle_error", "3", "2", "0.057 to 2°, 1 unknown", "1°"]]
+    assert unknown[3:] == ["recorded", ["angle_error: unknown, limit 1°; unknown (H28)"]]
+    assert safety_part.decided(record) == "3 decisions with 3 verdicts of interlocks; 1 refused."
 
 
 @pytest.mark.parametrize(
