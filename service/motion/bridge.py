@@ -12,6 +12,8 @@ from robot.guard.messages import BeginMove, Event, Fault, FaultKind, Heartbeat, 
 from service.motion.arm_watch import ArmWatch
 from service.operations.counts import count_stop
 
+# The guard tells of a stop within milliseconds; one that it has not told of by now was lost with it, or had no guard.
+_TOLD_WITHIN_S = 5.0
 OnEvent = Callable[[Event], None]
 _log = structlog.get_logger(__name__)
 
@@ -53,8 +55,9 @@ class ArmBridge:
 
     def stop(self, reason: str) -> bool:
         """Stop the arm, by guard and dashboard; the guard is locked from then on. True if the guard's pipe took it."""
-        if self._stop_asked_s is None:
-            self._stop_asked_s = time.monotonic()
+        asked_s, now_s = self._stop_asked_s, time.monotonic()
+        if asked_s is None or now_s - asked_s > _TOLD_WITHIN_S:
+            self._stop_asked_s = now_s
         return self._client is not None and self._client.stop(reason)
 
     def release_pendant(self, reason: str) -> bool:

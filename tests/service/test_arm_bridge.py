@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from robot.guard.client import GuardClient, GuardConfig
-from robot.guard.messages import Event, Fault, FaultKind
+from robot.guard.messages import Event, Fault, FaultKind, StopSent
 from service.conductor import starting
 from service.conductor.starting import start_move
 from service.errors import ServiceError
@@ -55,6 +55,42 @@ def test_a_guard_that_is_kept_locked_for_a_stop_is_no_fault(bridge, heard) -> No
     bridge.stop_to_record()
     assert bridge.unlock() is True
     assert heard == []
+
+
+@pytest.fixture
+def timed(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Every latency of a stop that was counted."""
+    latencies: list[float] = []
+    monkeypatch.setattr("service.motion.bridge.count_stop", latencies.append)
+    return latencies
+
+
+def test_a_stop_is_timed_from_its_first_press_to_its_writing(timed, monkeypatch) -> None:
+    bridge = ArmBridge(None)
+    monkeypatch.setattr("service.motion.bridge.time", SimpleNamespace(monotonic=iter((10.0, 10.01)).__next__))
+    bridge.stop("pressed")
+    bridge.stop("pressed again")
+    bridge._take(StopSent("pressed", 10.02, written=True))
+    bridge._take(StopSent("nobody asked", 10.05, written=True))
+    assert timed == pytest.approx([0.02])
+
+
+@pytest.mark.parametrize(("at_s", "written"), [(10.02, False), (9.9, True)])
+def test_a_stop_that_did_not_go_out_or_was_another_is_not_timed(timed, monkeypatch, at_s, written) -> None:
+    bridge = ArmBridge(None)
+    monkeypatch.setattr("service.motion.bridge.time", SimpleNamespace(monotonic=lambda: 10.0))
+    bridge.stop("pressed")
+    bridge._take(StopSent("pressed", at_s, written))
+    assert timed == []
+
+
+def test_a_stop_that_was_lost_with_its_guard_makes_no_later_one_seem_slow(timed, monkeypatch) -> None:
+    bridge = ArmBridge(None)
+    monkeypatch.setattr("service.motion.bridge.time", SimpleNamespace(monotonic=iter((10.0, 100.0)).__next__))
+    bridge.stop("lost")
+    bridge.stop("pressed")
+    bridge._take(StopSent("pressed", 100.004, written=True))
+    assert timed == pytest.approx([0.004])
 
 
 def test_a_room_without_an_arm_has_nothing_to_unlock(heard) -> None:
