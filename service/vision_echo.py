@@ -10,7 +10,8 @@ _HALF_PX = 48
 _SCALE = 4
 _ARM_PX = 28  # of the cross, in the enlarged crop; its middle is left open so that the anatomy shows
 _GAP_PX = 6
-_COLOUR = (0, 220, 255)
+# A bright line on a dark one, seen at arm's length on bone and on air: colour (BGR) and width.
+_STROKES = (((0, 0, 0), 7), ((0, 220, 255), 3))
 
 
 def draw_point(pixels: NDArray[np.float32], raw_px: tuple[float, float]) -> dict[str, object]:
@@ -42,6 +43,7 @@ def _windowed(crop: NDArray[np.float32]) -> NDArray[np.uint8]:
 def _cross(picture: NDArray[np.uint8], point_px: tuple[float, float]) -> None:
     # The centre of crop pixel 0 is at (scale - 1) / 2 of the enlarged one.
     u_px, v_px = (round(_SCALE * value + (_SCALE - 1) / 2) for value in point_px)
-    for du, dv in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        start = (u_px + du * _GAP_PX, v_px + dv * _GAP_PX)
-        cv2.line(picture, start, (u_px + du * _ARM_PX, v_px + dv * _ARM_PX), _COLOUR, 1)
+    for colour, width in _STROKES:
+        for du, dv in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+            start = (u_px + du * _GAP_PX, v_px + dv * _GAP_PX)
+            cv2.line(picture, start, (u_px + du * _ARM_PX, v_px + dv * _ARM_PX), colour, width)

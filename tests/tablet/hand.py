@@ -24,10 +24,9 @@ class Hand:
 
     def tap(self, what: str | Locator, exact: bool = False) -> None:
         """Tap a button by the words on it, or anything by its locator."""
-        button = self.page.get_by_role("button", name=what, exact=exact) if isinstance(what, str) else what
-        button.first.scroll_into_view_if_needed()
-        with self.touching([self.middle_of(button.first)]):
-            time.sleep(_TAP_S)
+        button = (self.page.get_by_role("button", name=what, exact=exact) if isinstance(what, str) else what).first
+        button.tap(trial=True)  # in sight, at rest, and the topmost thing there
+        self.tap_at(self.middle_of(button))
 
     def tap_at(self, point: Point) -> None:
         """Tap anywhere."""

@@ -1,12 +1,18 @@
 """One tablet in a test: a page with a finger, what it asked for and what it complained of."""
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass, field
 from urllib.parse import urlsplit
 
+import pytest
 from playwright.sync_api import Page
+from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
 from tests.tablet.hand import Hand, Point
+
+_TRIES = 5
+_ANSWERED_MS = 5000.0
 
 
 @dataclass
@@ -31,7 +37,7 @@ class Tablet:
         self.page.locator(f"main[data-state={state}]").wait_for(timeout=within_s * 1000)
 
     def press(self, words: str) -> None:
-        """The one large button of the screen, as soon as it bears these words."""
+        """The one large button of the screen, as soon as it bears these words and takes a finger."""
         self.hand.tap(self.page.locator(".button.is-primary:not([disabled])", has_text=words))
 
     def take_control(self) -> None:
@@ -41,6 +47,19 @@ class Tablet:
         if self.page.locator(".sheet").is_visible():
             self.hand.tap("They hand over to me")
         self.page.locator(".control.is-yours").wait_for()
+
+    def leave_hold(self) -> None:
+        """Where the case is held: the guide is seen to be empty, and somebody takes note as soon as the arm is read."""
+        held = self.page.locator("main[data-state=safe_hold]")
+        if held.is_visible():
+            self.hand.tap(self.page.locator(".doing .chip", has_text="empty"))
+        for _ in range(_TRIES):
+            if not held.is_visible():
+                return
+            self.press("Acknowledge")
+            with suppress(PlaywrightTimeoutError):
+                held.wait_for(state="hidden", timeout=_ANSWERED_MS)
+        pytest.fail("the hold cannot be left")
 
     def state_fact(self, words: str) -> None:
         """Say what is so, as in every state."""

@@ -1,16 +1,14 @@
 """The screens outside a procedure: a new case, the record of a past one, what the engineer looks after."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 from uuid import uuid4
 
 import pytest
 
 from service.auth.permissions import Role
-from tests.service.conftest import RunningService
-from tests.tablet.quiet_room import QuietRoom, closed_case
-from tests.tablet.tablet import Tablet
+from tests.tablet.quiet_room import QuietRoom
 
 _PATH = {"entry_mm": [32.0, 85.0, 12.0], "target_mm": [20.0, 40.0, 4.0]}
 _MARKUPS = {
@@ -23,17 +21,6 @@ _MARKUPS = {
         }
     ]
 }
-
-
-@pytest.fixture(scope="module")
-def recorded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[RunningService, str]]:
-    with closed_case(tmp_path_factory.mktemp("quiet")) as up:
-        yield up
-
-
-@pytest.fixture
-def room(recorded: tuple[RunningService, str], open_tablet: Callable[..., Tablet]) -> QuietRoom:
-    return QuietRoom(*recorded, open_tablet)
 
 
 @pytest.fixture

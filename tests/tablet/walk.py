@@ -19,7 +19,15 @@ _FIELDS = ("x", "y", "z", "rx", "ry", "rz")
 _CLEARANCE = "45"
 _TRIES = 5
 # How a crowded machine ends a hold; whatever else ends one fails the test.
-_LOST = ("the hold was lost", "the link to the arm was lost", "no live hold", "nothing moved")
+_LOST = (
+    "the hold was lost",
+    "the link to the arm was lost",
+    "no live hold",
+    "nothing moved",
+    "the controller's clock does not advance",
+    "the arm's feedback is old",
+    "the arm's joints were not read again",
+)
 
 
 @dataclass(frozen=True)
@@ -35,20 +43,24 @@ class Walk:
     def begin(self) -> None:
         """Into the open case, control taken, the guide stated empty."""
         self.tablet.press("Enter the case")
-        self.tablet.is_at("case_open")
+        self.tablet.page.locator("main[data-state]").wait_for()
         self.tablet.take_control()
+        self._come_to(self._read_angles, "case_open")
         self.look("case_open")
         self.tablet.hand.tap("State a fact")
         self.look("facts")
         self.tablet.hand.tap("The guide is empty")
         self.tablet.page.locator(".guide.is-empty").wait_for()
 
+    def _read_angles(self) -> None:
+        """How the C-arm is to stand."""
+        self.tablet.page.locator(".dials, main[data-state=safe_hold]").first.wait_for(timeout=_IMAGE_S * 1000)
+
     def turn_carm(self, pedicle: str) -> None:
         """The C-arm stands in the view of a planned path."""
         angles = self.case.carm_angles(pedicle)
         self.door.position_carm(angles["primary_angle_deg"], angles["secondary_angle_deg"], pedicle)
-        self.tablet.press("The C-arm stands")
-        self.tablet.is_at("carm_positioned")
+        self._come_to(lambda: self.tablet.press("The C-arm stands"), "carm_positioned")
 
     def bring_guide_in(self, pedicle: str) -> None:
         """In as many motions as the service asks for, each entered, planned, approved and held."""
@@ -58,18 +70,26 @@ class Walk:
             self.go(lambda pose=pose: self._plan_approach(pose))
 
     def image(self, words: str, *states: str) -> None:
-        """Ask for an exposure on the tablet, press the pedal in the room, and wait for what comes of the image.
+        """Ask for an exposure on the tablet, press the pedal in the room, and wait for what comes of the image."""
+        self._come_to(lambda: self._expose(words), *states)
+
+    def _come_to(self, step: Callable[[], None], *states: str) -> None:
+        """Do what leads to one of these states.
 
         A crowded machine may lose the arm's feedback meanwhile; what is made of an image then is there after the hold.
         """
         for _ in range(_TRIES):
-            self._expose(words)
-            if self._comes_to(*states, "safe_hold") != "safe_hold":
+            try:
+                step()
+            except (PlaywrightTimeoutError, GoneError):
+                if not self._is_held():
+                    raise
+            if self._seen_at(*states, "safe_hold") != "safe_hold":
                 return
             self._leave_hold()
             if self._is_soon_at(*states):
                 return
-        pytest.fail("the machine is too busy for an image")
+        pytest.fail(f"the machine is too busy to come to {states}")
 
     def _expose(self, words: str) -> None:
         self.tablet.press(words)
@@ -77,7 +97,7 @@ class Walk:
         self.look("exposing")
         self.door.expose()
 
-    def _comes_to(self, *states: str) -> str:
+    def _seen_at(self, *states: str) -> str:
         screens = self.tablet.page.locator(", ".join(f"main[data-state={state}]" for state in states))
         screens.wait_for(timeout=_IMAGE_S * 1000)
         return screens.get_attribute("data-state") or ""
@@ -139,24 +159,24 @@ class Walk:
         self.tablet.page.wait_for_timeout(1000)  # the fault is told after the motion's own end
         if self._is_held():
             self.look("held")
-            self.tablet.hand.tap(self.tablet.page.locator(".doing .chip", has_text="empty"))
-            self.tablet.press("Acknowledge")
-            self.tablet.page.locator("main:not([data-state=safe_hold])").wait_for()
+            self.tablet.leave_hold()
 
     def _is_held(self) -> bool:
         return self.tablet.page.locator("main[data-state=safe_hold]").is_visible()
 
     def insert(self) -> None:
         """The arm locked, the sleeve in and out again."""
-        self.tablet.press("Lock the arm and insert")
-        self.tablet.hand.enter(self.pin)
-        self.tablet.is_at("inserting")
+        self._come_to(self._lock, "inserting")
         self.look("inserting")
         self.tablet.press("The sleeve is in")
         self.tablet.is_at("sleeve_inserted")
         self.look("sleeve_inserted")
         self.tablet.press("The sleeve is out, the guide is empty")
         self.tablet.press("Target done")
+
+    def _lock(self) -> None:
+        self.tablet.press("Lock the arm and insert")
+        self.tablet.hand.enter(self.pin)
 
     def retreat(self) -> None:
         """Along the guide's axis, clear of the patient."""

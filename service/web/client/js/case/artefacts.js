@@ -2,7 +2,7 @@
 
 import { useEffect, useState } from "../../vendor/preact.js";
 import { get } from "../api.js";
-import { noteRefusal } from "../room/room.js";
+import { isConnected, noteRefusal } from "../room/room.js";
 
 /** @type {Map<string, Promise<any>>} */
 const read = new Map();
@@ -26,9 +26,14 @@ function once(path) {
 export function useAnswer(path, changes = false) {
   const [answered, setAnswered] = useState(/** @type {any} */ ({ path: null, value: null }));
   useEffect(() => {
-    if (path === null) return;
-    (changes ? get(path) : once(path)).then((value) => setAnswered({ path, value }), noteRefusal);
-  }, [path]);
+    if (path === null) return undefined;
+    // Answers may overtake one another; that to an earlier question must not come back.
+    let isAsked = true;
+    (changes ? get(path) : once(path)).then((value) => isAsked && setAnswered({ path, value }), noteRefusal);
+    return () => {
+      isAsked = false;
+    };
+  }, [path, isConnected.value]);
   return answered.path === path ? answered.value : null;
 }
 

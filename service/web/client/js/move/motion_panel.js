@@ -27,8 +27,8 @@ export function PlanWords({ plan }) {
   const predicted = plan.predicted_error_95;
   const detectable = plan.detectable_motion;
   return html`
-    <p class="lead">${t("motion.words", { mm: number(plan.length_mm, 1), deg: number(plan.rotation_deg, 2), s: number(plan.duration_s, 1) })}</p>
-    <${Figures}>
+    <p>${t("motion.words", { mm: number(plan.length_mm, 1), deg: number(plan.rotation_deg, 2), s: number(plan.duration_s, 1) })}</p>
+    <${Figures} areTiles>
       <${Row} name=${t("motion.distance")} value=${number(plan.length_mm, 1)} unit="mm" />
       <${Row} name=${t("motion.rotation")} value=${number(plan.rotation_deg, 2)} unit="°" />
       ${predicted && html`<${Row} name=${t("motion.predicted_angle")} value=${number(predicted.angle_deg, 3)} unit="°" />`}

@@ -34,8 +34,8 @@ export function Other({ trigger, body, onPress, children }) {
 }
 
 /** @param {any} props */
-export function Figures({ children }) {
-  return html`<dl class="figures">${children}</dl>`;
+export function Figures({ areTiles = false, children }) {
+  return html`<dl class="figures ${areTiles ? "is-tiles" : ""}">${children}</dl>`;
 }
 
 /** @param {{name: string, value: any, unit?: string, limit?: string, holds?: boolean}} props */

@@ -47,7 +47,7 @@ export function Question() {
   const forms = { pin: Pin, number: NumberPad, reason: Reason };
   return html`<div class="sheet-back">
     <div class="sheet" role="dialog" aria-modal="true" aria-label=${asked.title} onKeyDown=${(/** @type {KeyboardEvent} */ event) => event.key === "Escape" && asked.answer(null)}>
-      <header><h2>${asked.title}</h2><button class="button" onClick=${() => asked.answer(null)}>${t("cancel")}</button></header>
+      <div class="sheet-head"><h2>${asked.title}</h2><button class="button" onClick=${() => asked.answer(null)}>${t("cancel")}</button></div>
       <${forms[/** @type {keyof typeof forms} */ (asked.kind)]} key=${asked} ...${asked} />
     </div>
   </div>`;

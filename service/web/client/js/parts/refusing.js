@@ -45,7 +45,7 @@ export function RefusalBanner() {
   const failed = (told.verdicts ?? []).filter((/** @type {any} */ verdict) => !verdict.passed);
   return html`<div class="banner is-refusal" role="alert">
     <div>
-      <p class="title">${tOr(`code.${told.code}`, told.detail)}</p>
+      <p class="title">${failed.length > 0 ? t("refused.not_now", { what: t(`trigger.${told.trigger}`) }) : tOr(`code.${told.code}`, told.detail)}</p>
       ${failed.length > 0
         ? html`<ul>${failed.map((/** @type {any} */ one) => html`<${Reason} ...${one} />`)}</ul>`
         : told.measured != null && html`<p>${t("refused.measured", { measured: plain(told.measured), limit: plain(told.limit), unit: "" })}</p>`}

@@ -2,7 +2,7 @@
 
 import { html } from "../../vendor/preact.js";
 import { useAnswer } from "../case/artefacts.js";
-import { Primary } from "../parts/controls.js";
+import { Primary, Waiting } from "../parts/controls.js";
 import { Head } from "../parts/head.js";
 import { StopBar } from "../parts/stop.js";
 import { session } from "../session.js";
@@ -10,18 +10,25 @@ import { day, t } from "../words.js";
 import { goTo, people, room } from "./room.js";
 
 export function Cases() {
-  const cases = useAnswer(`/cases?open=${room.value?.open_case ?? ""}`, true) ?? [];
-  const open = cases.find((/** @type {any} */ one) => one.id === room.value?.open_case);
-  const over = cases.filter((/** @type {any} */ one) => one !== open);
+  const cases = useAnswer(`/cases?open=${room.value?.open_case ?? ""}`, true);
   return html`
     <${Head}><h1>${t("cases.title", { room: room.value?.room ?? "" })}</h1><//>
     <main class="sheet-page">
-      ${open ? html`<${OpenCase} ...${open} />` : html`<${NoCase} />`}
-      <h2>${t("cases.earlier")}</h2>
-      ${over.length === 0 && html`<p class="note">${t("cases.none")}</p>`}
-      <ul class="cases">${over.map((/** @type {any} */ one) => html`<li key=${one.id}><button class="card" onClick=${() => goTo("review", one.id)}><${CaseLine} ...${one} /></button></li>`)}</ul>
+      ${room.value && cases ? html`<${List} cases=${cases} />` : html`<${Waiting}>${t("connection.reading")}<//>`}
     </main>
     <${StopBar}><button class="button" onClick=${() => goTo("devices")}><i class="icon icon-devices"></i><span>${t("devices.title")}</span></button><//>
+  `;
+}
+
+/** @param {{cases: any[]}} props */
+function List({ cases }) {
+  const open = cases.find((one) => one.id === room.value.open_case);
+  const over = cases.filter((one) => one !== open);
+  return html`
+    ${open ? html`<${OpenCase} ...${open} />` : html`<${NoCase} />`}
+    <h2>${t("cases.earlier")}</h2>
+    ${over.length === 0 && html`<p class="note">${t("cases.none")}</p>`}
+    <ul class="cases">${over.map((one) => html`<li key=${one.id}><button class="card" onClick=${() => goTo("review", one.id)}><${CaseLine} ...${one} /></button></li>`)}</ul>
   `;
 }
 

@@ -1,6 +1,7 @@
 /** Held: the arm stands, nothing resumes by itself. A surgeon looks, says what is in the guide, and acknowledges. */
 
 import { html, useState } from "../../vendor/preact.js";
+import { send } from "../case/commands.js";
 import { newest } from "../case/live.js";
 import { Action, Figures, Row } from "../parts/controls.js";
 import { people } from "../room/room.js";
@@ -12,6 +13,11 @@ const GUIDE = ["empty", "wire", "instrument"];
 /** @param {any} props */
 export function Held({ current }) {
   const [guide, setGuide] = useState(current.guide === "unknown" ? null : current.guide);
+  // What nobody has said yet is said here; what was said is asked for once more and must agree.
+  const say = (/** @type {string} */ one) => {
+    setGuide(one);
+    if (current.guide === "unknown") send("guide_state_stated", { guide: one });
+  };
   const cause = newest("stop", "fault", "restarted", "hold_requested", "sleeve_in", "patient_moved", "carm_moved");
   const { arm } = current;
   const seen = html`<div class="held">
@@ -27,7 +33,7 @@ export function Held({ current }) {
   </div>`;
   return html`<${Screen} state="safe_hold" seen=${seen}>
     <p class="question">${t("held.guide")}</p>
-    <div class="chips" role="group">${GUIDE.map((one) => html`<button class="chip" aria-pressed=${one === guide} onClick=${() => setGuide(one)}>${t(`guide.${one}`)}</button>`)}</div>
+    <div class="chips" role="group">${GUIDE.map((one) => html`<button class="chip" aria-pressed=${one === guide} onClick=${() => say(one)}>${t(`guide.${one}`)}</button>`)}</div>
     ${guide && html`<${Action} trigger="acknowledged" icon="check" body=${{ guide }}>${t("held.acknowledge")}<//>`}
   <//>`;
 }

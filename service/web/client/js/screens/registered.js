@@ -86,7 +86,7 @@ function Picked({ picked, echo, told, nudge, offPx, isSure }) {
     </div>
     <div class="picked-words">
       <p><small>${t("target.picked")}</small> <b data-picked=${`${picked[0]},${picked[1]}`}>${number(picked[0], 2)} / ${number(picked[1], 2)} px</b></p>
-      ${echo && html`<p class=${isSure ? "" : "warning"}><small>${t("target.echo")}</small> <b>${number(echo.raw_px[0], 2)} / ${number(echo.raw_px[1], 2)} px</b> <small>${t("target.off", { px: number(offPx, 2) })}</small></p>`}
+      ${echo && html`<p class=${isSure ? "" : "warning"}><small>${t("target.echo")}</small> <b data-understood=${`${echo.raw_px[0]},${echo.raw_px[1]}`}>${number(echo.raw_px[0], 2)} / ${number(echo.raw_px[1], 2)} px</b> <small>${t("target.off", { px: number(offPx, 2) })}</small></p>`}
       ${told && html`<p class="warning" role="alert">${tOr(`code.${told.code}`, told.detail)} ${tOr(`do.${told.code}`, told.what_to_do)}</p>`}
     </div>
     <div class="arrows" role="group" aria-label=${t("target.nudge")}>
