@@ -44,6 +44,9 @@ class ChainCheck:
     def _entry(self, *row: Any) -> Entry | None:
         *repeated, text, sha256, reached_at = row
         sequence, find = repeated[0], self._verification.find
+        if not (isinstance(sequence, int) and isinstance(sha256, str) and isinstance(reached_at, str)):
+            find(f"entry {sequence}", "a column of it is of another kind: the file is damaged")
+            return None
         if sequence != self._before.sequence + 1:
             find(f"entry {self._before.sequence + 1}", f"missing up to entry {sequence - 1}: deleted, or never there")
         if not isinstance(text, str) or sha256_of(text) != sha256:

@@ -1,21 +1,26 @@
-"""A damaged file can lead a walk along its entries back to where it was."""
+"""A damaged file can lead a walk along its entries back to where it was, or give it what no column may hold."""
 
 from types import SimpleNamespace
+
+import pytest
 
 from service.ledger.chain_check import ChainCheck
 from service.ledger.entries import REPEATED
 from service.ledger.findings import Verification
 
-_EARLIER = (3, *("x" for _ in REPEATED), "no text", "no hash", "2026")
+_COLUMNS = tuple("x" for _ in REPEATED)
+_EARLIER = (3, *_COLUMNS, "no text", "no hash", "2026")
+_NO_TIME = (6, *_COLUMNS, "no text", "no hash", None)
 
 
-def _circle(_query, _values=None):
-    """Whatever is asked for behind entry 5 is entry 3."""
-    return SimpleNamespace(first=lambda: (5, "f" * 64, "2026"), cursor=SimpleNamespace(fetchall=lambda: [_EARLIER]))
+def _answering(row):
+    """A connection that has this row behind entry 5, whatever is asked for."""
+    answer = SimpleNamespace(first=lambda: (5, "f" * 64, "2026"), cursor=SimpleNamespace(fetchall=lambda: [row]))
+    return SimpleNamespace(execute=lambda _query, _values=None: answer)
 
 
-def test_a_walk_that_is_led_back_ends_with_a_finding():
+@pytest.mark.parametrize("row", [_EARLIER, _NO_TIME])
+def test_a_walk_through_a_damaged_file_ends_with_a_finding(row):
     verification = Verification()
-    walk = ChainCheck(SimpleNamespace(execute=_circle), verification, 6, 9)
-    assert len(list(walk.entries())) == 1
+    assert len(list(ChainCheck(_answering(row), verification, 6, 9).entries())) == 1
     assert any("the file is damaged" in finding.what for finding in verification.findings)
