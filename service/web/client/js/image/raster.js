@@ -28,6 +28,26 @@ export async function readRaster(response) {
   };
 }
 
+/**
+ * The pixels around a point, as far as the image goes; `origin` is the image pixel of the first one.
+ * @param {Raster} raster
+ * @param {[number, number]} centre
+ * @param {number} reach pixels to each side
+ * @returns {{raster: Raster, origin: [number, number]}}
+ */
+export function cropped({ width, height, bits, pixels }, [u, v], reach) {
+  const within = (/** @type {number} */ value, /** @type {number} */ count) => Math.max(0, Math.min(count - 1, Math.round(value)));
+  const left = within(u - reach, width);
+  const top = within(v - reach, height);
+  const size = { width: within(u + reach, width) - left + 1, height: within(v + reach, height) - top + 1 };
+  const inside = new Uint16Array(size.width * size.height);
+  for (let row = 0; row < size.height; row += 1) {
+    const start = (top + row) * width + left;
+    inside.set(pixels.subarray(start, start + size.width), row * size.width);
+  }
+  return { raster: { ...size, bits, pixels: inside }, origin: [left, top] };
+}
+
 /** A window that shows most of the image. @param {Raster} raster @returns {Window} */
 export function fullWindow({ pixels }) {
   const counts = new Uint32Array(LEVELS);

@@ -116,7 +116,7 @@ function Loaded(/** @type {any} */ { developer, found, picked, echoed, onPick, o
     <div class="stage">
       <div class="stage-image" ref=${box} data-tool=${tool} data-view=${view ? [view.scale, view.angleRad, ...view.centre].join(" ") : ""} aria-label=${t("image.label")} role="img">
         <canvas ref=${canvas}></canvas>
-        ${aiming && picked && html`<${Loupe} ...${{ developer, window, view, pixel: picked, stage }} />`}
+        ${aiming && picked && html`<${Loupe} ...${{ developer, view, pixel: picked, stage }} />`}
       </div>
       <div class="stage-tools" role="toolbar" aria-label=${t("image.tools")}>
         ${onPick && html`<${Tool} name="pick" ...${{ tool, setTool }} />`}
