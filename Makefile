@@ -34,11 +34,11 @@ ON_POSTGRESQL := $(addprefix tests/service/,ledger test_engines.py test_event_st
 # What keeps real time (the arm's 125 Hz, a heartbeat's 200 ms) mostly waits: two files at a time disturb one another
 # little, calculations beside them would.
 tests: $(VENV)/.test
-	@for need in dcmtk:storescu dicom3tools:dciodvfy orthanc:Orthanc postgresql:pg_lsclusters strace:strace; do command -v $${need#*:} >/dev/null || \
+	@for need in dcmtk:storescu dicom3tools:dciodvfy orthanc:Orthanc postgresql:pg_lsclusters chromium:chromium strace:strace; do command -v $${need#*:} >/dev/null || \
 	  { echo "missing Debian package: apt-get install $${need%:*}"; exit 1; }; done
 	$(BIN)/python -m pytest -n 2 -m "not real_time"
 	$(BIN)/python -m pytest -n 2 --database postgresql $(ON_POSTGRESQL)
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m "real_time and not matrix and not tablet"
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "real_time and not matrix and not lengthy"
 
 bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; COUNT=2000 trials of KINDS, or MINUTES; kept in FOLDER
 	$(BIN)/python -m benchmarks.stop --count $(or $(COUNT),2000) $(if $(KINDS),--kinds $(KINDS)) \
@@ -51,12 +51,10 @@ evidence: $(VENV)/.test  ## kills, power cuts, full disks and flipped bits again
 fault-matrix: $(VENV)/.test  ## every fault in every state of a motion, over the real protocols
 	$(BIN)/python -m pytest tests/robot/test_fault_matrix.py -v
 
-test-tablet: $(VENV)/.test  ## a procedure in the simulated room, in a browser and by touch alone
-	@command -v chromium >/dev/null || { echo "missing Debian package: apt-get install chromium"; exit 1; }
+test-tablet: $(VENV)/.test  ## the tablet in Debian's Chromium, by touch alone, with what make test leaves out
 	$(BIN)/python -m pytest -m tablet
 
 pictures: $(VENV)/.test  ## the same, and the documentation's pictures of the tablet taken anew
-	mkdir -p docs/pictures
 	COAXIAL_TEST_PICTURES=docs/pictures $(BIN)/python -m pytest -m tablet
 
 test-postgresql: $(VENV)/.test  ## every test that opens a database, on PostgreSQL

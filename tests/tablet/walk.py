@@ -111,13 +111,26 @@ class Walk:
             return False
         return True
 
-    def pick(self, pixel_px: tuple[float, float]) -> None:
-        """A point of the image, as near as a finger comes and then by the arrows, and what the service understood."""
+    def choose(self, pixel_px: tuple[float, float]) -> None:
+        """A point of the image, looked at as the service understood it, and confirmed."""
+        self._come_to(lambda: self._pick(pixel_px), "target_chosen")
+
+    def correct(self) -> None:
+        """Once more, from what the verification measured."""
+        self._come_to(self._ask_for_correction, "target_chosen")
+
+    def _ask_for_correction(self) -> None:
+        self.tablet.press("Correct the aim")
+        self.tablet.hand.tap("Error and bound exceed the limits")
+
+    def _pick(self, pixel_px: tuple[float, float]) -> None:
         at = self.tablet.screen_of(pixel_px)
         self.tablet.hand.put_down([at])
         self.look("loupe")
         self.tablet.hand.lift()
         self.tablet.page.get_by_role("button", name="Confirm this target").wait_for()
+        self.look("registered")
+        self.tablet.press("Confirm this target")
 
     def go(self, plan: Callable[[], None], picture: str = "") -> None:
         """Plan, approve and hold until the arm has arrived.
