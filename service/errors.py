@@ -53,6 +53,9 @@ class ErrorCode(StrEnum):
     SEVERAL_FRAMES = "several_frames"
     IMAGE_UID_TAKEN = "image_uid_taken"
     MEDIA_TYPE_UNKNOWN = "media_type_unknown"
+    PURPOSE_UNDECIDED = "purpose_undecided"
+    PURPOSE_REFUSED = "purpose_refused"
+    PATIENT_DIFFERS = "patient_differs"
     IMAGE_NAMED = "image_named"
     IMAGE_TAKEN_IN = "image_taken_in"
     STATEMENT_OUTDATED = "statement_outdated"
@@ -177,6 +180,12 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.SEVERAL_FRAMES: Answer(422, "Send the last image of the run as a single frame."),
     ErrorCode.IMAGE_UID_TAKEN: Answer(409, "Give each image a SOP instance UID of its own, then send it again."),
     ErrorCode.MEDIA_TYPE_UNKNOWN: Answer(415, "Send DICOM, PNG or TIFF, and say which in Content-Type."),
+    ErrorCode.PURPOSE_UNDECIDED: Answer(409, "State first whose image it is, or wait until it has been taken in."),
+    ErrorCode.PURPOSE_REFUSED: Answer(
+        409,
+        "Say what the answer allows; for a registration or a verification request an exposure and take a new image.",
+    ),
+    ErrorCode.PATIENT_DIFFERS: Answer(409, "Look at whose image and whose case this is, then decide anew."),
     ErrorCode.IMAGE_NAMED: Answer(409, "Nothing: the image says itself whose it is."),
     ErrorCode.IMAGE_TAKEN_IN: Answer(409, "Read the case again; what became of the image is in its events."),
     ErrorCode.STATEMENT_OUTDATED: Answer(409, "Look at view and exposure of the case as it is now, then state anew."),

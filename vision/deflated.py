@@ -1,23 +1,32 @@
 """DICOM whose data set is deflated: how much it would become, before a parser inflates it (H31)."""
 
+import io
 import zlib
+from typing import Any
 
-_DEFLATED = b"1.2.840.10008.1.2.1.99"  # the transfer syntax UID
-_META_LENGTH = b"\x02\x00\x00\x00UL\x04\x00"  # first element of a file: how long the meta information behind it is
-_META_AT = 132  # behind preamble and prefix
+from pydicom.filereader import read_dataset
+from pydicom.uid import DeflatedExplicitVRLittleEndian
+
+_DEFLATED = DeflatedExplicitVRLittleEndian.encode()
+_META_AT = 132  # behind preamble and prefix, where there are some
+_META_GROUP = 0x0002
 
 
 def inflates_beyond(data: bytes, limit: int) -> bool:
     """Whether a DICOM file may become more than `limit` bytes; True, too, where one that is deflated cannot be told."""
     if _DEFLATED not in data:
         return False
-    begin = _META_AT + len(_META_LENGTH) + 4
-    if data[_META_AT : begin - 4] != _META_LENGTH:
-        return True
-    end = begin + int.from_bytes(data[begin - 4 : begin], "little")
-    if _DEFLATED not in data[begin:end]:
-        return True
+    file = io.BytesIO(data)
+    file.seek(_META_AT if data[128:_META_AT] == b"DICM" else 0)
     try:
-        return len(zlib.decompressobj(-zlib.MAX_WBITS).decompress(data[end:], limit + 1)) > limit
-    except zlib.error:
-        return False  # the parser says so
+        # the length that the meta information claims is not believed: neither does the parser
+        meta = read_dataset(file, is_implicit_VR=False, is_little_endian=True, stop_when=_is_behind_meta)
+        if meta.get("TransferSyntaxUID") != DeflatedExplicitVRLittleEndian:
+            return False
+        return len(zlib.decompressobj(-zlib.MAX_WBITS).decompress(data[file.tell() :], limit + 1)) > limit
+    except Exception:  # noqa: BLE001  pydicom raises whatever hostile bytes lead it to
+        return True
+
+
+def _is_behind_meta(tag: Any, _representation: str | None, _length: int) -> bool:
+    return bool(tag.group != _META_GROUP)

@@ -27,11 +27,13 @@ class Effect(StrEnum):
 
 
 class ImageUse(StrEnum):
-    """What an arrived image is for."""
+    """What an image is for."""
 
     REGISTRATION = "registration"
     VERIFICATION = "verification"
-    UNASSIGNED = "unassigned"  # not asked for, late, or the arm moved: scout, depth check or nothing
+    SCOUT = "scout"  # these two only by a person's word
+    DEPTH_CHECK = "depth_check"
+    UNASSIGNED = "unassigned"  # not asked for, late, or the arm moved
     QUARANTINED = "quarantined"  # another patient's, or seen before
 
 

@@ -19,8 +19,8 @@ _FEEDBACK = (arm.FEEDBACK_FRESH, arm.JOINTS_FRESH, arm.FEEDBACK_FINITE, arm.FEED
 _READY_ARM = (arm.AT_REST, arm.GUARD_ALIVE, arm.SAFETY_NORMAL, *_FEEDBACK)
 _DEVICES = (arm.DEVICES_IN_DATE, arm.TCP_MM, arm.TCP_RAD, arm.PAYLOAD_KG)
 _IDENTITY = (image.PATIENT_MATCHES, image.STUDY_MATCHES)
-_NEW = (image.IMAGE_UNSEEN, image.PIXELS_UNSEEN, image.IMAGE_NEWER)
-_ARRIVED = (*_IDENTITY, *_NEW, image.WINDOW_OPEN, image.STILL_MM, image.STILL_RAD)
+UNSEEN = (image.IMAGE_UNSEEN, image.PIXELS_UNSEEN, image.IMAGE_NEWER)
+_ARRIVED = (*_IDENTITY, *UNSEEN, image.WINDOW_OPEN, image.STILL_MM, image.STILL_RAD)
 _REGISTRATION = (
     image.HANDEDNESS,
     image.PLATE,
@@ -94,7 +94,7 @@ REQUIRED: dict[Trigger, tuple[Interlock, ...]] = {
 }
 
 # An image that fails one of these may be another patient's or an old one: it goes to quarantine.
-PROVENANCE = (*_IDENTITY, *_NEW)
+PROVENANCE = (*_IDENTITY, *UNSEEN)
 # An image that passes these shows what is there now, asked for or not: it may be reused.
 CLEAN_IMAGE = (*PROVENANCE, image.STILL_MM, image.STILL_RAD)
 
@@ -156,3 +156,8 @@ def _goes_further(inquiry: Inquiry) -> bool:
 def judge(inquiry: Inquiry) -> tuple[Verdict, ...]:
     """Every verdict; where only the standing is asked, of those that need nothing that comes with a request."""
     return tuple(lock.judge(inquiry) for lock in required(inquiry) if inquiry.facts is not None or not lock.asks)
+
+
+def provenance(inquiry: Inquiry) -> tuple[Verdict, ...]:
+    """Every verdict on whose an image is and whether it is new, whatever became of it on its arrival."""
+    return tuple(lock.judge(inquiry) for lock in PROVENANCE)

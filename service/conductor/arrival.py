@@ -34,11 +34,12 @@ _Time = tuple[str, float]
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """What a person says of an image that names nobody: the patient, and that it is of this view and exposure."""
+    """What a person says of an image that names nobody: the patient, that it is of this view and exposure, what for."""
 
     patient_id: str
     view_id: str | None
     window_id: str | None
+    purpose: ImageUse | None
     user_id: str
 
 
@@ -55,7 +56,8 @@ def take_in(conductor: Conductor, image_id: str) -> Taken | None:
 def take_in_stated(conductor: Conductor, case_id: str, image_id: str, statement: Statement) -> Taken:
     """Give an image its purpose by a person's statement, in a case that is over too.
 
-    ServiceError IMAGE_UNKNOWN, IMAGE_NAMED, IMAGE_TAKEN_IN, or STATEMENT_OUTDATED where view or exposure are others.
+    ServiceError IMAGE_UNKNOWN, IMAGE_NAMED, IMAGE_TAKEN_IN, STATEMENT_OUTDATED where view or exposure are others, or
+    PURPOSE_REFUSED where it turns out to be for something else.
     """
 
     def prepare(standing: Standing) -> Prepared:
@@ -89,15 +91,15 @@ def _prepare(conductor: Conductor, standing: Standing, image_id: str, statement:
     image = read_image(standing.connection, image_id)
     window = standing.case.window
     exposure = conductor.bridge.watch.exposure_of_window(window.id) if window is not None else None
-    facts = _facts(standing, image, exposure)
+    facts = facts_of(standing, image, exposure)
     if statement is not None:
         facts = _with_statement(standing, facts, image, statement)
 
     def assign(connection: Connection, decision: Decision) -> None:
-        entered = decision.image_use in (ImageUse.REGISTRATION, ImageUse.VERIFICATION)
+        purpose = _purpose(decision.image_use or ImageUse.UNASSIGNED, statement.purpose if statement else None)
+        entered = purpose in (ImageUse.REGISTRATION, ImageUse.VERIFICATION)
         if entered and window is not None:
             conductor.bridge.watch.assign_exposure(window.id, image_id)
-        purpose = decision.image_use or ImageUse.UNASSIGNED
         arm = _pose_json(exposure) if entered and exposure is not None else {}
         verdicts = tuple(asdict(verdict) for verdict in decision.verdicts)
         assign_purpose(connection, NewPurpose(image_id, standing.case.case_id, purpose, arm, verdicts))
@@ -108,7 +110,17 @@ def _prepare(conductor: Conductor, standing: Standing, image_id: str, statement:
     return Prepared(facts, made={"image": image_id}, data=data, also=assign)
 
 
-def _facts(standing: Standing, image: StoredImage, exposure: Exposure | None) -> ImageArrived:
+def _purpose(found: ImageUse, stated: ImageUse | None) -> ImageUse:
+    """What an image is for: what the procedure makes of it, and of one that it has no use for what a person says."""
+    if stated in (None, found) or found is ImageUse.QUARANTINED:
+        return found
+    if found is ImageUse.UNASSIGNED and stated in (ImageUse.SCOUT, ImageUse.DEPTH_CHECK):
+        return ImageUse(stated)
+    raise ServiceError(ErrorCode.PURPOSE_REFUSED, "an image of now is for something else", measured=stated, limit=found)
+
+
+def facts_of(standing: Standing, image: StoredImage, exposure: Exposure | None) -> ImageArrived:
+    """What the record tells of an image, against a case and the images before it."""
     connection = standing.connection
     case = store.read_case(connection, standing.case.case_id)
     usable = image.problem is None  # of an image that is none, nothing is known that could pass

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
 
 from service.devices.store import DeviceKind
+from workflow.decisions import ImageUse
 from workflow.plans import PlanKind
 from workflow.states import GuideState
 
@@ -59,6 +60,7 @@ class StateIdentity(Body):
     patient_id: Identifier
     view_id: Identifier | None = None
     window_id: Identifier | None = None
+    purpose: ImageUse | None = None  # what it must turn out to be for; a scout or a depth check only a person knows
 
 
 class ImagePoint(Body):
@@ -187,8 +189,17 @@ class WriteNote(Body):
     text: Reason
 
 
+class AssignImage(Body):
+    """What a person says that an image is for; whose it is and why, where it was quarantined or in no case."""
+
+    image_id: Identifier
+    purpose: ImageUse
+    reason: OptionalReason = ""
+    patient_id: Identifier | None = None
+
+
 class LabelImage(Body):
-    """A word on an image: scout, depth check."""
+    """A word on an image."""
 
     image_id: Identifier
     label: Name

@@ -22,7 +22,8 @@ def image_identity_stated(
 ) -> CommandAnswer:
     """The image is of this patient, in this view, of this exposure: it arrives in the case as one from the C-arm does.
 
-    Its pixels must be new; with another patient, or with pixels that came before, it is quarantined.
+    Its pixels must be new; with another patient, or with pixels that came before, it is quarantined. A purpose that is
+    stated and is not what the procedure makes of it is refused.
     """
-    statement = Statement(body.patient_id, body.view_id, body.window_id, caller.session.user_id)
+    statement = Statement(body.patient_id, body.view_id, body.window_id, body.purpose, caller.session.user_id)
     return answer_of(take_in_stated(conductor, caller.case_id, body.image_id, statement))

@@ -27,7 +27,7 @@ def note(body: WriteNote, caller: Writer, conductor: TheConductor) -> CommandAns
 
 @router.post("/cases/{case_id}/label", openapi_extra=STATING_ABOUT_AN_IMAGE)
 def label(body: LabelImage, caller: Writer, conductor: TheConductor) -> CommandAnswer:
-    """A word on an image: scout, depth check; ServiceError IMAGE_UNKNOWN."""
+    """A word on an image, which changes nothing; ServiceError IMAGE_UNKNOWN."""
     with conductor.parts.database.read() as connection:
         read_image(connection, body.image_id)
     prepared = Prepared(Paper(permitted=True), data={"image_id": body.image_id, "label": body.label})

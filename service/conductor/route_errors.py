@@ -39,6 +39,22 @@ STATING_AN_IDENTITY = may_fail_with(
     ErrorCode.IMAGE_NAMED,
     ErrorCode.IMAGE_TAKEN_IN,
     ErrorCode.STATEMENT_OUTDATED,
+    ErrorCode.PURPOSE_REFUSED,
+)
+ASSIGNING_AN_IMAGE = may_fail_with(
+    *_FACT,
+    ErrorCode.IMAGE_UNKNOWN,
+    ErrorCode.PURPOSE_UNDECIDED,
+    ErrorCode.PURPOSE_REFUSED,
+    ErrorCode.IMAGE_TAKEN_IN,
+    ErrorCode.PATIENT_DIFFERS,
+    ErrorCode.NOT_AN_IMAGE,
+    ErrorCode.IMAGE_BYTES_TOO_LARGE,
+    ErrorCode.IMAGE_TOO_SMALL,
+    ErrorCode.IMAGE_TRUNCATED,
+    ErrorCode.SEVERAL_FRAMES,
+    RefusalCode.REASON_REQUIRED,
+    RefusalCode.INTERLOCK,
 )
 REQUESTING = may_fail_with(*_REQUEST)
 REUSING_AN_IMAGE = may_fail_with(*_REQUEST, ErrorCode.IMAGE_UNKNOWN, *_VISION)

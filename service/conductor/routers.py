@@ -5,6 +5,7 @@ from fastapi import APIRouter
 from service.conductor import (
     angles,
     approval,
+    assigning,
     closing,
     control,
     correction,
@@ -32,6 +33,7 @@ CONDUCTOR_ROUTERS: tuple[APIRouter, ...] = (
     control.router,
     exposure.router,
     identity.router,
+    assigning.router,
     targets.router,
     plans.router,
     approval.router,

@@ -16,6 +16,7 @@ from service.images.findings import findings_of
 from service.images.store import StoredImage
 from service.openapi import may_fail_with
 from service.parts import Parts, parts_of
+from workflow.decisions import ImageUse
 
 router = APIRouter(tags=["images"])
 Reader = Annotated[Session, Depends(require(Permission.READ))]
@@ -44,11 +45,14 @@ class ImageView(BaseModel):
 
 @router.get("/images")
 def list_newest_images(
-    _: Reader, parts: PartsOfRoom, case_id: Annotated[str | None, Query(alias="case")] = None
+    _: Reader,
+    parts: PartsOfRoom,
+    case_id: Annotated[str | None, Query(alias="case")] = None,
+    purpose: ImageUse | None = None,
 ) -> list[ImageView]:
-    """The newest images, of one case if named, newest first."""
+    """The newest images, of one case or purpose (`quarantined`) if named, newest first."""
     with parts.database.read() as connection:
-        return [_view(connection, image) for image in store.list_images(connection, case_id)]
+        return [_view(connection, image) for image in store.list_images(connection, case_id, purpose=purpose)]
 
 
 @router.get("/images/{image_id}", openapi_extra=may_fail_with(ErrorCode.IMAGE_UNKNOWN))

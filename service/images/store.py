@@ -14,6 +14,7 @@ from robot.frames import Transform
 from service.database import tables
 from service.database.clock import now_utc
 from service.errors import ErrorCode, ServiceError
+from service.images.assignments import newest_assignments
 from service.images.dicom_header import DicomHeader
 from service.ledger.draft import describe
 from service.ledger.rows import add_rows
@@ -130,12 +131,17 @@ def kept_bytes(connection: Connection, sha256: str) -> bytes:
     return content
 
 
-def list_images(connection: Connection, case_id: str | None = None, limit: int = 500) -> list[StoredImage]:
-    """The newest images (of a case, those that were given a purpose in it), newest first."""
-    query = sa.select(tables.images).order_by(tables.images.c.position.desc()).limit(limit)
+def list_images(
+    connection: Connection, case_id: str | None = None, limit: int = 500, purpose: str | None = None
+) -> list[StoredImage]:
+    """The newest images (of a case, those that have a purpose in it; of one purpose), newest first."""
+    images, purposes, newest = tables.images, tables.image_purposes, newest_assignments()
+    query = sa.select(images).outerjoin(purposes, purposes.c.image_id == images.c.id)
+    query = query.outerjoin(newest, newest.c.image_id == images.c.id).order_by(images.c.position.desc()).limit(limit)
     if case_id is not None:
-        purposes = tables.image_purposes
-        query = query.join(purposes, purposes.c.image_id == tables.images.c.id).where(purposes.c.case_id == case_id)
+        query = query.where(sa.func.coalesce(newest.c.case_id, purposes.c.case_id) == case_id)
+    if purpose is not None:
+        query = query.where(sa.func.coalesce(newest.c.purpose, purposes.c.purpose) == purpose)
     return [StoredImage(**row._mapping) for row in connection.execute(query)]
 
 
@@ -159,8 +165,11 @@ def assign_purpose(connection: Connection, purpose: NewPurpose) -> None:
 
 
 def purpose_of(connection: Connection, image_id: str) -> NewPurpose | None:
-    """What an image is for; None while nobody has decided."""
-    purposes = tables.image_purposes
+    """What an image is for, by the newest word of a person, else as it arrived; None while nobody has decided."""
+    newest, purposes = newest_assignments(), tables.image_purposes
+    said = connection.execute(sa.select(newest).where(newest.c.image_id == image_id)).first()
+    if said is not None:
+        return NewPurpose(image_id, said.case_id, said.purpose, {}, tuple(said.content["verdicts"]))
     row = connection.execute(sa.select(purposes).where(purposes.c.image_id == image_id)).first()
     if row is None:
         return None
@@ -195,7 +204,8 @@ def awaits_statement(image: StoredImage) -> bool:
 def _without_purpose(connection: Connection) -> list[StoredImage]:
     images, purposes = tables.images, tables.image_purposes
     query = sa.select(images).outerjoin(purposes, purposes.c.image_id == images.c.id)
-    rows = connection.execute(query.where(purposes.c.image_id.is_(None)).order_by(images.c.position))
+    assigned = sa.exists().where(tables.image_assignments.c.image_id == images.c.id)  # in an archive of another case
+    rows = connection.execute(query.where(purposes.c.image_id.is_(None), ~assigned).order_by(images.c.position))
     return [StoredImage(**row._mapping) for row in rows]
 
 

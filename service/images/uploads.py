@@ -7,6 +7,7 @@ from fastapi import APIRouter, Depends, Header, Request
 from pydantic import BaseModel
 from sqlalchemy.engine import Connection
 from starlette.concurrency import run_in_threadpool
+from starlette.datastructures import UploadFile
 
 from service.auth.dependencies import require
 from service.auth.permissions import Permission
@@ -22,8 +23,11 @@ router = APIRouter(tags=["images"])
 _log = structlog.get_logger(__name__)
 _DICOM = "application/dicom"
 _PICTURES = ("image/png", "image/tiff")
+_FORM, _FIELD = "multipart/form-data", "image"
+_FILE = {"type": "object", "properties": {_FIELD: {"type": "string", "format": "binary"}}, "required": [_FIELD]}
+_SCHEMAS: dict[str, Any] = {**{kind: {} for kind in (_DICOM, *_PICTURES)}, _FORM: _FILE}
 _BODY: dict[str, Any] = {
-    "requestBody": {"required": True, "content": {kind: {"schema": {}} for kind in (_DICOM, *_PICTURES)}}
+    "requestBody": {"required": True, "content": {kind: {"schema": one} for kind, one in _SCHEMAS.items()}}
 }
 _UPLOADING = may_fail_with(
     ErrorCode.MEDIA_TYPE_UNKNOWN,
@@ -59,13 +63,12 @@ async def upload_image(
     parts: Annotated[Parts, Depends(parts_of)],
     content_type: Annotated[str, Header()] = "",
 ) -> UploadAnswer:
-    """Store one image, the body of the request; what is no usable image is refused and not kept.
+    """Store one image, the body of the request or the file `image` of a form; what is no usable one is not kept.
 
     DICOM with its UIDs goes the way of one from the C-arm. PNG, TIFF and DICOM without them wait for
     `image-identity-stated`; the same bytes sent again while they wait are the same image.
     """
-    kind = content_type.partition(";")[0].strip().lower()
-    content = await request.body()
+    kind, content = await _sent(request, content_type)
     header = await _header(parts, kind, content)
     source = {"uploaded_by": session.user_id, "media_type": kind}
     image = await run_in_threadpool(_store, parts, content, header, source)
@@ -76,6 +79,22 @@ async def upload_image(
         duplicate_of=image.duplicate_of,
         awaits_statement=_awaits_statement(header),
     )
+
+
+async def _sent(request: Request, content_type: str) -> tuple[str, bytes]:
+    """Media type and bytes: of the body, or of the one file of a form; the edge counts both as they come."""
+    kind = _media_type(content_type)
+    if kind != _FORM:
+        return kind, await request.body()
+    async with request.form(max_files=1, max_fields=0) as form:
+        file = form.get(_FIELD)
+        if not isinstance(file, UploadFile):
+            raise ServiceError(ErrorCode.MALFORMED_REQUEST, f"the form holds no file called {_FIELD}")
+        return _media_type(file.content_type or ""), await file.read()
+
+
+def _media_type(content_type: str) -> str:
+    return content_type.partition(";")[0].strip().lower()
 
 
 async def _header(parts: Parts, kind: str, content: bytes) -> DicomHeader:

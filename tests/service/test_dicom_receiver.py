@@ -112,6 +112,7 @@ def test_an_image_that_is_sent_again_is_answered_with_success_and_is_the_image_t
     )
 
 
+@pytest.mark.hazard("H02")
 def test_other_bytes_under_the_same_uid_are_refused_and_nothing_of_them_is_stored(receive, make_xray):
     room = receive()
     room.send(make_xray(seed=1, SOPInstanceUID="1.2.3.4"))

@@ -207,6 +207,60 @@ def test_nobody_but_those_who_expose_uploads(running) -> None:
         assert answer.status_code == status
 
 
+def _form(content: bytes, media_type: str, field: str = "image") -> dict:
+    return {"files": {field: ("a file", content, media_type)}}
+
+
+def test_a_file_in_a_form_is_the_image_that_it_would_be_as_a_body(running, surgeon, make_xray) -> None:
+    picture, named = _picture(_grey(71)), make_xray(rows=256, columns=300, seed=71)
+    with running.client(Role.OPERATOR) as operator:
+        for media_type, content in (("image/png", picture), ("application/dicom", named)):
+            answer = operator.post("/images", **_form(content, media_type))
+            assert answer.status_code == 201
+            assert surgeon.original(answer.json()["id"]) == content
+            assert surgeon.upload_image(media_type, content)["id"] == answer.json()["id"]
+
+
+def _no_form(content_type: str) -> dict:
+    return {"content": b"no form", "headers": {"Content-Type": content_type}}
+
+
+def test_a_form_of_anything_else_is_refused_and_not_kept(running, surgeon) -> None:
+    picture, before = _picture(_grey(72)), len(surgeon.get_list("/images"))
+    two = [("image", ("a", picture, "image/png")), ("image", ("b", picture, "image/png"))]
+    forms = (
+        ({"files": two}, 400, "request_refused"),
+        (_form(picture, "image/png") | {"data": {"patient_id": "P1"}}, 400, "request_refused"),
+        (_form(picture, "image/png", "file"), 422, "malformed_request"),
+        (_form(picture, "application/octet-stream"), 415, "media_type_unknown"),
+        (_form(b"no image", "image/png"), 422, "unreadable_image"),
+        (_form(b"", "application/dicom"), 422, "not_an_image"),
+        (_no_form("multipart/form-data; boundary=x"), 400, "request_refused"),
+        (_no_form("multipart/form-data"), 400, "request_refused"),
+    )
+    with running.client(Role.OPERATOR) as operator:
+        for form, status, code in forms:
+            answer = operator.post("/images", **form)
+            assert (answer.status_code, answer.json()["code"]) == (status, code), form
+    assert len(surgeon.get_list("/images")) == before
+
+
+def test_a_form_that_does_not_say_how_long_it_is_is_refused_where_it_passes_the_limit(running) -> None:
+    limit = running.parts.settings.dicom.max_image_bytes
+    head = b'--x\r\nContent-Disposition: form-data; name="image"; filename="a"\r\nContent-Type: image/png\r\n\r\n'
+
+    def pieces() -> Iterator[bytes]:
+        yield head
+        for _ in range(limit // 4_000_000 + 1):
+            yield bytes(4_000_000)
+
+    with running.client(Role.OPERATOR) as operator:
+        form = {"content": pieces(), "headers": {"Content-Type": "multipart/form-data; boundary=x"}}
+        answer = operator.post("/images", **form)
+    assert (answer.status_code, answer.json()["code"]) == (413, "body_too_large")
+    assert limit < answer.json()["measured"] <= limit + 4_000_000
+
+
 _CLOSING = {"pin": "2468", "abandoned": {"L3 left": "narrow pedicle"}}
 
 

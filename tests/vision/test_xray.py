@@ -6,11 +6,18 @@ import zlib
 from typing import Any
 
 import numpy as np
+import pydicom
 import pytest
 from PIL import Image
 from pydicom.dataset import Dataset, FileMetaDataset
-from pydicom.uid import ExplicitVRLittleEndian, XRayAngiographicImageStorage, generate_uid
+from pydicom.uid import (
+    DeflatedExplicitVRLittleEndian,
+    ExplicitVRLittleEndian,
+    XRayAngiographicImageStorage,
+    generate_uid,
+)
 
+from vision.deflated import inflates_beyond
 from vision.refusal import Refusal, RefusalCode
 from vision.xray import XrayImage, decode
 
@@ -98,6 +105,7 @@ def test_the_pixel_size_is_that_of_the_header() -> None:
     assert decoded(picture(RAMP * 200)).pixel_mm is None
     assert decoded(dicom(RAMP)).pixel_mm is None
     assert decoded(dicom(RAMP, ImagerPixelSpacing=[0.35, 0.36])).pixel_mm == 0.36
+    assert decoded(dicom(RAMP, ImagerPixelSpacing=[0, 0])).pixel_mm is None
     assert decoded(dicom(RAMP, FieldOfViewDimensions=[150])).pixel_mm == 0.5
     assert decoded(dicom(RAMP, FieldOfViewDimensions=[120, 150], ImagerPixelSpacing=[0.2, 0.2])).pixel_mm == 0.2
 
@@ -182,3 +190,40 @@ def test_files_of_16_bits_tell_by_their_values_how_many_they_use(kind: str, grea
     assert isinstance(image, XrayImage)
     assert image.bits == bits
     assert image.pixels.max() == pytest.approx(greatest / (2.0**bits - 1.0))
+
+
+def deflated(content: bytes, length: int | None = None) -> bytes:
+    """The data set of a file deflated, with whatever length its meta information claims."""
+    dataset = pydicom.dcmread(io.BytesIO(content))
+    dataset.file_meta.TransferSyntaxUID = DeflatedExplicitVRLittleEndian
+    out = io.BytesIO()
+    dataset.save_as(out, enforce_file_format=True)
+    data = bytearray(out.getvalue())
+    if length is not None:
+        data[140:144] = length.to_bytes(4, "little")
+    return bytes(data)
+
+
+def test_a_deflated_image_is_measured_before_it_is_inflated() -> None:
+    data = deflated(dicom(np.zeros((300, 300), np.uint16)))
+    assert len(data) < 2_000
+    assert np.all(decoded(data).pixels == 0)
+    assert not inflates_beyond(data, 200_000)
+    assert inflates_beyond(data, 180_000)
+
+
+@pytest.mark.hazard("H31")
+@pytest.mark.parametrize("length", [0, 60, 300, 2**32 - 1])
+@pytest.mark.parametrize("trailer", [b"", zlib.compress(bytes(10))[2:-4]])
+def test_a_deflated_image_is_measured_from_where_it_begins_whatever_it_says(length: int, trailer: bytes) -> None:
+    data = deflated(dicom(np.zeros((300, 300), np.uint16)), length) + trailer
+    assert inflates_beyond(data, 180_000)
+    assert inflates_beyond(data[132:] + trailer, 180_000), "without a preamble"
+
+
+@pytest.mark.hazard("H31")
+def test_deflated_bytes_that_are_no_stream_are_not_inflated() -> None:
+    data = deflated(dicom(RAMP))
+    broken = data[:400] + bytes(len(data) - 400)
+    for bad in (broken, data[:150]):
+        assert isinstance(decode(bad), Refusal)
