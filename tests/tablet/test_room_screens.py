@@ -2,13 +2,19 @@
 
 import json
 from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from io import BytesIO
 from typing import Any
 from uuid import uuid4
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
+from pydicom import dcmread
+from pydicom.uid import generate_uid
 
 from service.auth.permissions import Role
 from tests.tablet.quiet_room import QuietRoom
+from tests.tablet.tablet import Tablet
 
 _PATH = {"entry_mm": [32.0, 85.0, 12.0], "target_mm": [20.0, 40.0, 4.0]}
 _MARKUPS = {
@@ -39,8 +45,7 @@ def test_a_plan_from_3d_slicer_opens_a_case(room):
     hand.tap("Open the case")
     page.get_by_text("Some fields cannot be taken").wait_for()
     assert page.locator("input[aria-invalid=true]").count() == 9
-    plan = {"name": "spine.mrk.json", "mimeType": "application/json", "buffer": json.dumps(_MARKUPS).encode()}
-    page.locator("input[type=file]").set_input_files([plan])
+    _choose(tablet, "spine.mrk.json", json.dumps(_MARKUPS))
     page.get_by_text("spine.mrk.json: 1 planned paths").wait_for()
     page.get_by_label("Patient id").fill("P2")
     page.get_by_label("Study UID").fill("1.2.4")
@@ -56,18 +61,69 @@ def test_a_plan_from_3d_slicer_opens_a_case(room):
 def test_a_quarantined_image_is_seen_with_the_reason(room, open_case):
     with room.running.client() as client:
         earlier = client.get(f"/images?case={room.case_id}").json()[0]["id"]
-        content = client.get(f"/images/{earlier}/original").content
-        client.post("/images", content=content, headers={"Content-Type": "application/dicom"})
+        stranger = _of_another_patient(client.get(f"/images/{earlier}/original").content)
+        client.post("/images", content=stranger, headers={"Content-Type": "application/dicom"})
     tablet = room.tablet_of(Role.SURGEON)
     tablet.press("Enter the case")
     tablet.is_at("case_open")
     tablet.hand.tap("More", exact=True)
     tablet.hand.tap("Images of the case")
     tablet.page.locator(".entry-line", has_text="Quarantined").wait_for()
-    assert "these pixels came before" in tablet.page.locator(".detail").inner_text()
+    assert "P9" in tablet.page.locator(".entry-line").inner_text()
+    assert "another patient's image" in tablet.page.locator(".detail").inner_text()
     tablet.page.locator(".review-seen canvas").wait_for()
     tablet.hand.tap("Back")
     tablet.is_at("case_open")
+
+
+def test_the_engineer_makes_the_daily_check_and_is_told_what_failed(room):
+    tablet = room.tablet_of(Role.ENGINEER)
+    tablet.hand.tap("Daily check")
+    tablet.press("Begin the check")
+    failed = tablet.page.locator(".checked-item.is-bad")
+    failed.wait_for()
+    assert "Switch the arm on" in failed.inner_text()
+    tablet.hand.tap("Cases")
+    tablet.page.get_by_role("button", name="Failed, 0 h ago").wait_for()
+    assert _faults_by_axe(tablet) == []
+
+
+def test_device_files_are_read_uploaded_and_seen_to_expire(room):
+    tablet = room.tablet_of(Role.ENGINEER)
+    page, hand = tablet.page, tablet.hand
+    hand.tap("Device files")
+    hand.tap("Read the file")
+    text = page.locator(".file-text", has_text="reference-guide")
+    newer = f"expires = {_soon()}\n{text.inner_text()}".replace("version = 1", "version = 7")
+    hand.tap("Close")
+    _choose(tablet, "newer.toml", newer)
+    page.locator(".device.is-soon").wait_for()
+    _choose(tablet, "broken.toml", newer.replace("radius = 20.0", "radius = 0.02"))
+    assert "radius" in page.locator(".told").inner_text()
+    assert f"good until {_soon()}, 10 days" in page.locator(".device.is-soon").inner_text()
+    assert _faults_by_axe(tablet) == []
+
+
+def _of_another_patient(content: bytes) -> bytes:
+    image, file = dcmread(BytesIO(content)), BytesIO()
+    image.PatientID, image.SOPInstanceUID = "P9", generate_uid()
+    image.file_meta.MediaStorageSOPInstanceUID = image.SOPInstanceUID
+    image.save_as(file)
+    return file.getvalue()
+
+
+def _choose(tablet: Tablet, name: str, text: str) -> None:
+    file = {"name": name, "mimeType": "text/plain", "buffer": text.encode()}
+    tablet.page.locator("input[type=file]").set_input_files([file])
+
+
+def _soon() -> str:
+    """Ten days from now, by the clock that the page has."""
+    return (datetime.now(UTC).date() + timedelta(days=10)).isoformat()
+
+
+def _faults_by_axe(tablet: Tablet) -> list[str]:
+    return [one["id"] for one in Axe().run(tablet.page).response["violations"]]
 
 
 def _abort(room: QuietRoom) -> dict[str, Any]:

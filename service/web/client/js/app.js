@@ -7,6 +7,7 @@ import { StopBar } from "./parts/stop.js";
 import { Images } from "./review/images.js";
 import { Review } from "./review/review.js";
 import { Cases } from "./room/cases.js";
+import { DailyCheck } from "./room/daily_check.js";
 import { Devices } from "./room/devices.js";
 import { NewCase } from "./room/new_case.js";
 import { place } from "./room/room.js";
@@ -14,7 +15,7 @@ import { session } from "./session.js";
 import { Locked } from "./room/locked.js";
 import { SignIn } from "./room/sign_in.js";
 
-const PLACES = { cases: Cases, new: NewCase, case: CaseFrame, review: Review, images: Images, devices: Devices };
+const PLACES = { cases: Cases, new: NewCase, case: CaseFrame, review: Review, images: Images, devices: Devices, check: DailyCheck };
 
 export function App() {
   if (!session.value) return html`<div class="page"><${SignIn} /><${StopBar} /></div>`;

@@ -7,18 +7,13 @@ import { allowance, wantsControl } from "../case/allowing.js";
 import { TakeControl } from "../parts/control.js";
 import { number, t } from "../words.js";
 import { plan } from "./motion.js";
+import { Nudge } from "./nudging.js";
 
 const POSE = [
   ["x", "mm"], ["y", "mm"], ["z", "mm"],
   ["rx", "°"], ["ry", "°"], ["rz", "°"],
 ];
-const STEPS_MM = [1, 5, 10];
-const STEPS_DEG = [1, 5];
 const RETREAT_MM = 45;
-// Of the guide's own frame: z along its axis, away from the patient.
-const DIRECTIONS = [
-  ["x_plus", [1, 0, 0]], ["x_minus", [-1, 0, 0]], ["y_plus", [0, 1, 0]], ["y_minus", [0, -1, 0]],
-];
 
 /** @param {{kinds: string[]}} props which of them this screen offers; the service says which are taken */
 export function Motions({ kinds }) {
@@ -49,22 +44,6 @@ function Approach() {
       ${POSE.map(([name, unit], place) => html`<button class="field" onClick=${() => enter(place)} data-field=${name}><span>${name}</span><b>${number(pose[place], 2)}</b><small>${unit}</small></button>`)}
     </div>
     <div class="actions"><button class="button is-next" onClick=${() => plan("approach", { base_from_goal: goal })}>${t("motion.plan")}</button></div>
-  `;
-}
-
-function Nudge() {
-  const [step, setStep] = useState({ unit: "mm", by: STEPS_MM[1] });
-  const go = (/** @type {number[]} */ direction) => {
-    const vector = direction.map((one) => one * step.by);
-    const none = [0, 0, 0];
-    const isShift = step.unit === "mm";
-    plan("nudge", { step: { translation_mm: isShift ? vector : none, rotation_vector_deg: isShift ? none : vector } });
-  };
-  const steps = [...STEPS_MM.map((by) => ({ unit: "mm", by })), ...STEPS_DEG.map((by) => ({ unit: "°", by }))];
-  return html`
-    <p class="note">${t("motion.nudge_words")}</p>
-    <div class="chips" role="group">${steps.map((one) => html`<button class="chip" aria-pressed=${one.by === step.by && one.unit === step.unit} onClick=${() => setStep(one)}>${one.by} ${one.unit}</button>`)}</div>
-    <div class="nudges">${DIRECTIONS.map(([name, direction]) => html`<button class="button" onClick=${() => go(/** @type {number[]} */ (direction))}>${t(`nudge.${name}`)}</button>`)}</div>
   `;
 }
 

@@ -6,7 +6,7 @@ import { Primary, Waiting } from "../parts/controls.js";
 import { Head } from "../parts/head.js";
 import { StopBar } from "../parts/stop.js";
 import { session } from "../session.js";
-import { day, t } from "../words.js";
+import { day, number, t } from "../words.js";
 import { goTo, people, room } from "./room.js";
 
 export function Cases() {
@@ -16,7 +16,10 @@ export function Cases() {
     <main class="sheet-page">
       ${room.value && cases ? html`<${List} cases=${cases} />` : html`<${Waiting}>${t("connection.reading")}<//>`}
     </main>
-    <${StopBar}><button class="button" onClick=${() => goTo("devices")}><i class="icon icon-devices"></i><span>${t("devices.title")}</span></button><//>
+    <${StopBar}>
+      <button class="button" onClick=${() => goTo("devices")}><i class="icon icon-devices"></i><span>${t("devices.title")}</span></button>
+      <${CheckButton} />
+    <//>
   `;
 }
 
@@ -30,6 +33,15 @@ function List({ cases }) {
     ${over.length === 0 && html`<p class="note">${t("cases.none")}</p>`}
     <ul class="cases">${over.map((one) => html`<li key=${one.id}><button class="card" onClick=${() => goTo("review", one.id)}><${CaseLine} ...${one} /></button></li>`)}</ul>
   `;
+}
+
+/** The way to the daily check, with how the newest one ended. */
+function CheckButton() {
+  const last = room.value?.daily_check;
+  const told = last ? `${t(last.passed ? "check.passed" : "check.failed")}, ${t("check.age", { h: number(last.age_h, 0) })}` : t("check.none");
+  return html`<button class="button check-button ${last?.passed ? "is-good" : "is-grave"}" onClick=${() => goTo("check")}>
+    <i class="icon icon-${last?.passed ? "check" : "cross"}"></i><span>${t("check.title")}<small>${told}</small></span>
+  </button>`;
 }
 
 /** @param {any} one */

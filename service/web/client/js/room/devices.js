@@ -1,4 +1,4 @@
-/** Device files: which are in use, until when, and a newer one uploaded by the engineer. */
+/** Device files: which are in use, until when, what stands in them, and a newer one uploaded by the engineer. */
 
 import { html, useState } from "../../vendor/preact.js";
 import { answer, Refused } from "../api.js";
@@ -8,6 +8,7 @@ import { StopBar } from "../parts/stop.js";
 import { Told } from "../parts/told.js";
 import { session } from "../session.js";
 import { day, number, t } from "../words.js";
+import { DeviceText } from "./device_text.js";
 import { goTo, noteRefusal, people } from "./room.js";
 
 const KINDS = ["guide", "carm", "tcp", "room"];
@@ -22,31 +23,37 @@ export function newestOfEach(devices) {
 
 export function Devices() {
   const [stored, setStored] = useState(0);
+  const [read, setRead] = useState(/** @type {any} */ (null));
   const devices = useAnswer(`/devices?seen=${stored}`, true) ?? [];
   const used = newestOfEach(devices);
   const earlier = devices.filter((/** @type {any} */ device) => !used.includes(device));
   const may = session.value?.permissions.includes("upload_device");
+  const line = (/** @type {any} */ device) => html`<${DeviceLine} key=${device.id} ...${device} onRead=${() => setRead(device)} />`;
   return html`
     <${Head}><h1>${t("devices.title")}</h1><//>
     <main class="sheet-page">
       <h2>${t("devices.used")}</h2>
-      <ul class="devices">${used.map((device) => html`<${DeviceLine} key=${device.id} ...${device} />`)}</ul>
+      <ul class="devices">${used.map(line)}</ul>
       ${may && html`<${Upload} onStored=${() => setStored(stored + 1)} />`}
-      ${earlier.length > 0 && html`<h2>${t("devices.earlier")}</h2>`}
-      <ul class="devices">${earlier.map((/** @type {any} */ device) => html`<${DeviceLine} key=${device.id} ...${device} />`)}</ul>
+      ${earlier.length > 0 && html`<h2>${t("devices.earlier")}</h2><ul class="devices">${earlier.map(line)}</ul>`}
     </main>
-    <${StopBar}><button class="button" onClick=${() => goTo("cases")}><i class="icon icon-back"></i><span>${t("cases.back")}</span></button><//>
+    ${read && html`<${DeviceText} device=${read} close=${() => setRead(null)} />`}
+    <${StopBar}>
+      <button class="button" onClick=${() => goTo("cases")}><i class="icon icon-back"></i><span>${t("cases.back")}</span></button>
+      <button class="button" onClick=${() => goTo("check")}><i class="icon icon-check"></i><span>${t("check.title")}</span></button>
+    <//>
   `;
 }
 
 /** @param {any} device */
-export function DeviceLine({ kind, name, version, expires, sha256, uploaded_at: at, uploaded_by: by }) {
+export function DeviceLine({ kind, name, version, expires, sha256, uploaded_at: at, uploaded_by: by, onRead }) {
   const days = expires ? Math.ceil((Date.parse(expires) - Date.now()) / DAY_MS) : null;
   const mark = days === null ? "" : days < 0 ? "is-over" : days < SOON_DAYS ? "is-soon" : "";
   return html`<li class="device ${mark}">
     <b>${t(`device.${kind}`)}</b><span>${name} ${version}</span>
     <span class="expiry">${expires === null ? t("devices.no_expiry") : t(mark === "is-over" ? "devices.expired" : "devices.expires", { day: expires, days: number(days, 0) })}</span>
-    <small>${sha256.slice(0, 12)} · ${day(at)} · ${people.value[by] ?? ""}</small>
+    <small>${[sha256.slice(0, 12), day(at), people.value[by]].filter(Boolean).join(" · ")}</small>
+    ${onRead && html`<button class="button" onClick=${onRead} aria-label=${t("devices.read", { name: `${name} ${version}` })}><i class="icon icon-file"></i></button>`}
   </li>`;
 }
 
@@ -67,7 +74,7 @@ function Upload(/** @type {any} */ { onStored }) {
     event.target.value = "";
   };
   return html`<section class="upload">
-    <div class="chips">${KINDS.map((one) => html`<button class="chip" aria-pressed=${one === kind} onClick=${() => setKind(one)}>${t(`device.${one}`)}</button>`)}</div>
+    <div class="chips" role="group" aria-label=${t("devices.kind")}>${KINDS.map((one) => html`<button class="chip" aria-pressed=${one === kind} onClick=${() => setKind(one)}>${t(`device.${one}`)}</button>`)}</div>
     <label class="button"><i class="icon icon-plus"></i><span>${t("devices.upload")}</span><input class="file" type="file" accept=".toml" onChange=${send} /></label>
     <${Told} problem=${told} />
   </section>`;

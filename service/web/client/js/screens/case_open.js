@@ -22,9 +22,9 @@ export function CaseOpen({ current, caseId }) {
   <//>`;
 }
 
-/** The arm brought nearer or away, folded up until it is wanted. @param {any} props */
-export function Bringing({ kinds }) {
-  const [isMoving, setMoving] = useState(false);
+/** The arm brought nearer or away, folded up until it is wanted, or asked for. @param {any} props */
+export function Bringing({ kinds, isOpen = false }) {
+  const [isMoving, setMoving] = useState(isOpen);
   return html`<section class="bringing">
     <button class="button" aria-expanded=${isMoving} onClick=${() => setMoving(!isMoving)}><i class="icon icon-arm"></i><span>${t("motion.bring")}</span></button>
     ${isMoving && html`<${Motions} kinds=${kinds} />`}
