@@ -157,7 +157,7 @@ class Recording:
         yield partial(self._image, *second)
         evaluated = evaluation_of(self._image_id, dict(self._results.evaluation))
         yield self._event("image_arrived", {"image_id": self._image_id})
-        yield self._event("verification_passed", {"image_id": self._image_id}, *evaluated.artefacts)
+        yield self._event("verification_passed", evaluated.data, *evaluated.artefacts)
         yield self._ending
 
     def _to_the_plan(self, image_id: str, registration: NewArtefact) -> Iterator[Step]:

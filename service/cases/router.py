@@ -25,6 +25,7 @@ Reader = Annotated[Session, Depends(require(Permission.READ))]
 AuditReader = Annotated[Session, Depends(require(Permission.READ_AUDIT))]
 PartsOfRoom = Annotated[Parts, Depends(parts_of)]
 LARGEST_SEQUENCE = 2**31 - 1
+_MOST_ATTEMPTS = 5000  # in one answer: many times what a case comes to
 
 
 class CaseView(BaseModel):
@@ -109,12 +110,15 @@ def read_case_record(
 
 @router.get("/interlocks")
 def read_interlocks(
-    session: AuditReader, parts: PartsOfRoom, case_id: Annotated[str | None, Query(alias="case")] = None
+    session: AuditReader,
+    parts: PartsOfRoom,
+    case_id: Annotated[str | None, Query(alias="case")] = None,
+    limit: Annotated[int, Query(ge=1, le=_MOST_ATTEMPTS)] = 200,
 ) -> list[dict[str, Any]]:
     """The newest attempts, accepted or refused, with the verdict of every interlock."""
     record_reading(parts.database, session.user_id, "interlocks", {"case": case_id})
     with parts.database.read() as connection:
-        return attempts.list_attempts(connection, case_id)
+        return attempts.list_attempts(connection, case_id, limit)
 
 
 def _view(connection: Connection, case: StoredCase) -> CaseView:

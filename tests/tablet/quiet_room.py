@@ -41,7 +41,6 @@ def closed_case(folder: Path) -> Iterator[tuple[RunningService, str]]:
     results = recorded_cases.compute(settings)
     with current_database(settings) as database:
         surgeon = UserStore(database, _CHEAP).add(Role.SURGEON.value, Role.SURGEON, PASSWORD, PIN)
-        with database.write() as connection:
-            case_id = recorded_cases.record(connection, settings, surgeon.id, results, State.CLOSED)
+        case_id = recorded_cases.record(database, settings, surgeon.id, results, State.CLOSED)
     with contextmanager(serve_in_thread)(settings) as running:
         yield running, case_id

@@ -104,6 +104,36 @@ def test_device_files_are_read_uploaded_and_seen_to_expire(room):
     assert _faults_by_axe(tablet) == []
 
 
+def test_the_auditor_goes_through_the_record_of_a_case(room):
+    with room.running.client() as client:
+        refused = client.post(
+            f"/cases/{room.case_id}/carm-position-confirmed",
+            json={},
+            headers={"Idempotency-Key": uuid4().hex, "If-Match": '"0"', "Control-Token": "0"},
+        ).json()
+    tablet = room.tablet_of(Role.AUDITOR)
+    page, hand = tablet.page, tablet.hand
+    page.evaluate(f"location.hash = 'review/{room.case_id}'")
+    _entry(tablet, "Verification passed")
+    assert page.locator(".compare canvas").count() == 2
+    assert "within the limit" in page.locator(".detail").inner_text()
+    _entry(tablet, "Registration completed")
+    page.get_by_role("group", name="Drawn over the image").wait_for()
+    hand.tap("Refusals")
+    assert page.locator(".entry-line").count() == 1
+    assert refused["code"] == "case_over"
+    assert _faults_by_axe(tablet) == []
+    with page.expect_download() as report:
+        hand.tap(page.get_by_role("link", name="Report (PDF)"))
+    assert report.value.path().read_bytes().startswith(b"%PDF")
+
+
+def _entry(tablet: Tablet, words: str) -> None:
+    tablet.hand.tap(tablet.page.locator(".entry-line button", has_text=words))
+    tablet.page.locator(".detail h2", has_text=words).wait_for()
+    tablet.page.locator(".review-seen canvas").first.wait_for()
+
+
 def _of_another_patient(content: bytes) -> bytes:
     image, file = dcmread(BytesIO(content)), BytesIO()
     image.PatientID, image.SOPInstanceUID = "P9", generate_uid()

@@ -14,11 +14,11 @@ export function DeviceText({ device, close }) {
   }, [path]);
   return html`<div class="sheet-back">
     <div class="sheet is-wide" role="dialog" aria-modal="true" aria-label=${device.name} onKeyDown=${(/** @type {KeyboardEvent} */ event) => event.key === "Escape" && close()}>
-      <header class="sheet-head">
+      <div class="sheet-head">
         <h2>${device.name} ${device.version}</h2>
         <a class="button" href=${`/api${path}`} download=${`${device.name}-${device.version}.toml`}>${t("devices.save")}</a>
         <button class="button" onClick=${close} ref=${(/** @type {HTMLElement|null} */ element) => element?.focus()}>${t("close")}</button>
-      </header>
+      </div>
       <pre class="file-text" tabindex="0">${text}</pre>
     </div>
   </div>`;

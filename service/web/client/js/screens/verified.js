@@ -44,7 +44,7 @@ function Verdict({ state }) {
 }
 
 /** @param {any} evaluation */
-function Errors({ contour, paper, anatomy_shift: anatomy }) {
+export function Errors({ contour, paper, anatomy_shift: anatomy }) {
   const limits = room.value?.limits;
   const bounds = contour.predicted_error_95;
   const angle = contour.angle_error_deg + bounds.angle_deg;
