@@ -2,12 +2,14 @@
 
 import hashlib
 from io import BytesIO
+from pathlib import Path
 
 import pytest
+from hatchling.builders.wheel import WheelBuilder
 from pypdf import PdfReader
 
 from service.report.fonts import printable
-from service.report.typesetting import typeset
+from service.report.typesetting import TEMPLATE, typeset
 
 _DATED = "2026-11-22T11:47:48.123456Z"
 _HOSTILE = '#eval("1+1") *bold* $x^2$ @ref <label> \\ // #panic()'
@@ -76,6 +78,12 @@ def test_what_no_font_has_is_printed_as_its_code_point_and_said():
     text = _text(typeset(_document("த Doe"), {}, _DATED))
     assert "[U+0BA4] Doe" in text
     assert "no glyph are printed as code points in brackets: U+0BA4." in text
+
+
+def test_an_installed_program_has_the_template():
+    tree = Path(__file__).parents[3]
+    packed = {file.distribution_path for file in WheelBuilder(str(tree)).recurse_included_files()}
+    assert TEMPLATE.relative_to(tree).as_posix() in packed
 
 
 @pytest.mark.parametrize(
