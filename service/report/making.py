@@ -14,9 +14,6 @@ from service.report.target_part import came_of, other_exposures, target_part
 from service.report.totals import totals_of
 from service.report.wording import clock, figure, words
 from service.vision_worker import VisionWorker
-from workflow.decisions import ImageUse
-
-_SHOWN = (ImageUse.REGISTRATION, ImageUse.VERIFICATION)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,18 +33,17 @@ async def make_report(database: Database, vision: VisionWorker, case_id: str) ->
     """
     record = await asyncio.to_thread(_read, database, case_id)
     course = course_of(record)
-    parts: list[Json] = []
+    targets: list[Json] = []
     pictures: dict[str, str] = {}
     for number, work in enumerate(course, 1):
-        figures = []
         shown = _shown(record, work)
         drawn = await vision.run("draw_figures", [_to_draw(record, one) for one in shown])
-        for place, (one, svg) in enumerate(zip(shown, drawn["figures"], strict=True), 1):
-            name = f"target-{number}-{place}.svg"
-            figures.append(_figure(record, one, None if svg is None else name))
-            pictures |= {} if svg is None else {name: svg}
-        parts.append(target_part(record, number, work, figures))
-    answer = await vision.run("typeset", _document(record, course, parts), pictures, record.last.recorded_at)
+        files = {f"target-{number}-{place}.svg": svg for place, svg in enumerate(drawn["figures"], 1)}
+        pictures |= {file: svg for file, svg in files.items() if svg is not None}
+        named = [None if svg is None else file for file, svg in files.items()]
+        figures = [_figure(record, one, file) for one, file in zip(shown, named, strict=True)]
+        targets.append(target_part(record, number, work, figures))
+    answer = await vision.run("typeset", _document(record, course, targets), pictures, record.last.recorded_at)
     return bytes(answer["pdf"])
 
 
@@ -57,12 +53,10 @@ def _read(database: Database, case_id: str) -> CaseRecord:
 
 
 def _shown(record: CaseRecord, work: TargetWork) -> list[_Shown]:
-    """The image that each target was aimed in and each that verified one, in the order of their arrival, once each."""
+    """What was registered or verified meanwhile, or aimed in, in the order of arrival."""
     aims = {str(one.content["image_id"]): one for one in work.aims}
     judged = {one.image_id: one for one in work.judgements}
-    used = [
-        image_id for image_id in record.images if image_id in aims or image_id in judged or image_id in work.image_ids()
-    ]
+    used = {*aims, *judged, *work.image_ids()}
     return [
         _Shown(
             image_id,
@@ -70,8 +64,8 @@ def _shown(record: CaseRecord, work: TargetWork) -> list[_Shown]:
             judged.get(image_id),
             image_id in aims,
         )
-        for image_id in used
-        if record.images[image_id].purpose.purpose in _SHOWN
+        for image_id in record.image_bytes
+        if image_id in used
     ]
 
 

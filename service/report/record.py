@@ -16,9 +16,11 @@ from service.database import tables
 from service.devices.store import StoredDevice, read_device
 from service.images.store import NewPurpose, StoredImage, list_images, original_bytes, purpose_of
 from service.pacs.derived import identity_of
+from workflow.decisions import ImageUse
 from workflow.triggers import Trigger
 
 _ALL = 1_000_000  # rows; more than any case has
+_SHOWN = (ImageUse.REGISTRATION, ImageUse.VERIFICATION)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +56,7 @@ class CaseRecord:
     """A case as its report tells it.
 
     `decisions` are the requests and observations with the verdict of every interlock, oldest first; `artefacts` by
-    kind and id; `people` the names of users by id.
+    kind and id; `image_bytes` those of images that entered the chain; `people` the names of users by id.
     """
 
     case: StoredCase
@@ -91,7 +93,11 @@ def read_record(connection: Connection, case_id: str) -> CaseRecord:
         events=events,
         artefacts={kind: _artefacts(connection, kind, case_id) for kind in ArtefactKind},
         images=images,
-        image_bytes={image_id: original_bytes(connection, image_id) for image_id in images},
+        image_bytes={
+            image_id: original_bytes(connection, image_id)
+            for image_id, image in images.items()
+            if image.purpose.purpose in _SHOWN
+        },
         devices=list(_devices(connection, case, events)),
         decisions=list_attempts(connection, case_id, _ALL)[::-1],
         people=user_names(connection),

@@ -31,7 +31,7 @@ _SAID = (
     Trigger.DEVICE_CHANGED,
 )
 _SIGNED = (Trigger.MOVE_APPROVED, Trigger.INSERTION_STARTED, Trigger.CASE_CLOSED)
-_WORDS = ("text", "label", "reason", "what", "message", "cause")
+_WORDS = ("text", "label", "purpose", "reason", "what", "message", "cause")
 
 
 def decided(record: CaseRecord) -> str:
