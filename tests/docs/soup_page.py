@@ -45,6 +45,7 @@ PURPOSE = {
     "pyigtl": "OpenIGTLink messages to 3D Slicer",
     "pynetdicom": "DICOM network: images in, results out, worklist",
     "python-gdcm": "compressed DICOM pixels",
+    "python-multipart": "an image that a form sends",
     "rfc8785": "canonical JSON under signatures",
     "rich": "tables and progress at the command line",
     "scipy": "least squares, rotations, distributions",
