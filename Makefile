@@ -93,6 +93,9 @@ faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong ea
 interlock-removal: $(VENV)/.test  ## take each interlock out in turn and say which test of the rules fails: INTERLOCKS="at_rest pin"
 	$(BIN)/python -m benchmarks.interlock_removal $(if $(INTERLOCKS),--interlocks $(INTERLOCKS))
 
+check-removal: $(VENV)/.test  ## the same with each check of the guard: CHECKS="robot.guard.preflight:24"
+	$(BIN)/python -m benchmarks.check_removal $(if $(CHECKS),--checks $(CHECKS))
+
 audit-bench: $(VENV)/.runtime  ## how fast the ledger is written, verified (COUNT=20000 entries) and read (PAGES=1000000)
 	$(BIN)/python benchmarks/audit.py --count $(or $(COUNT),20000) --pages $(or $(PAGES),1000000)
 

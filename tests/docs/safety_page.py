@@ -124,7 +124,8 @@ def _interlock_table() -> str:
         "Each case is a request in which all is well but for one thing. `tests/workflow/test_interlocks.py` expects a",
         "refusal that names the interlock and its hazard in each refusing case, none in each passing one, and that one",
         "refusing case is taken once this interlock alone is removed. `make interlock-removal` removes each in turn",
-        "from all tests of the rules and names the test that fails.\n",
+        "from all tests of the rules and names the test that fails; `make check-removal` does so with each check of",
+        "the guard.\n",
         "| interlock | hazard | refuses when | refusing cases | passing cases |",
         "|---|---|---|---|---|",
     ]

@@ -162,6 +162,69 @@ def test_arm_that_changes_while_control_is_taken_is_not_moved(
     assert room.orders[-2:] == ["stop", "give up"]
 
 
+def ended(room: Room, within_s: float = 2.0, *, held: bool = True) -> EndCause:
+    """Turn until the motion is over, the button held on or not: why it ended."""
+    end_s, number = room.now_s + within_s, 1
+    while room.newest(MotionEnded) is None:
+        assert room.now_s < end_s, "the motion goes on"
+        number += 1
+        if held:
+            room.beat(number)
+        room.turn()
+    return room.newest(MotionEnded).cause
+
+
+@pytest.mark.hazard("H14")
+def test_permit_is_spent_by_its_first_motion_whatever_came_of_it(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    room.guard.handle(room.guard.stop_now("asked"))
+    assert ended(room) is EndCause.STOPPED
+    room.guard.handle(Acknowledge())
+    begin(room, move)
+    assert room.newest(MoveRefused).refusal.code is RefusalCode.PERMIT_REUSED
+    assert room.orders.count("move") == 1
+
+
+@pytest.mark.hazard("H14")
+def test_second_motion_is_refused_while_one_runs_which_goes_on(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    room.guard.handle(replace(move, permit_id="permit-2"))
+    assert room.newest(MoveRefused).refusal.code is RefusalCode.MOTION_RUNNING
+    assert room.guard.phase is Phase.MOVING
+
+
+@pytest.mark.hazard("H18")
+def test_held_guard_starts_nothing_before_an_acknowledgement(room: Room, move: BeginMove) -> None:
+    room.guard.handle(room.guard.stop_now("asked"))
+    begin(room, move)
+    assert room.newest(MoveRefused).refusal.code is RefusalCode.GUARD_HELD
+    assert "move" not in room.orders
+
+
+@pytest.mark.hazard("H21")
+def test_readings_that_are_no_numbers_end_the_motion_however_well_the_button_is_held(
+    room: Room, move: BeginMove
+) -> None:
+    begin(room, move)
+    room.reading = replace(room.reading, tcp_speed_mm_s=np.nan)
+    assert ended(room) is EndCause.FEEDBACK_LOST
+    assert room.guard.phase is Phase.HELD
+
+
+@pytest.mark.hazard("H16")
+def test_silence_of_a_held_button_ends_the_motion_and_holds_the_guard(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    assert ended(room, held=False) is EndCause.HEARTBEAT_LOST
+    assert room.guard.phase is Phase.HELD
+
+
+def test_released_button_ends_the_motion_and_leaves_the_guard_idle(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    room.beat(2, held=False)
+    assert ended(room, held=False) is EndCause.RELEASED
+    assert room.guard.phase is Phase.IDLE
+
+
 def ahead(move: BeginMove, offset_mm: float, turn_deg: float = 0.0) -> np.ndarray:
     goal = move.base_from_goal.copy()
     goal[0, 3] += offset_mm - 10.0  # the move's own way
