@@ -191,7 +191,7 @@ def _dehomogenised(point: Array) -> Array:
 def _half_chord(conic: Array, point: Array, vanishing_line: Array) -> float:
     """Half the chord through a normalised `point` (3,) parallel to the vanishing line: radius over depth, exactly."""
     direction = np.array([vanishing_line[1], -vanishing_line[0], 0.0])
-    length = float(np.linalg.norm(direction))
+    length = math.hypot(direction[0], direction[1])
     # seen along the axis every direction serves
     direction = direction / length if length > 1e-12 else np.array([1.0, 0.0, 0.0])
     minus, plus = _chord(conic, point, direction)

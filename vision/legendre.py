@@ -1,5 +1,7 @@
 """Bivariate Legendre polynomials of limited total degree: they stay well conditioned where powers do not."""
 
+from functools import cache
+
 import numpy as np
 from numpy.polynomial.legendre import leg2poly
 from numpy.typing import NDArray
@@ -41,10 +43,18 @@ def power_grid(coefficients: Array, degree: int) -> Array:
     grid = np.zeros((coefficients.shape[1], degree + 1, degree + 1))
     i, j = exponents(degree).T
     grid[:, i, j] = coefficients.T
+    powers = _in_powers(degree)
+    return np.asarray(powers.T @ grid @ powers)
+
+
+@cache
+def _in_powers(degree: int) -> Array:
+    """Coefficients (d + 1, d + 1) of each Legendre polynomial by powers."""
     powers = np.zeros((degree + 1, degree + 1))
     for order, one in enumerate(np.eye(degree + 1)):
         powers[order, : order + 1] = leg2poly(one[: order + 1])
-    return np.asarray(powers.T @ grid @ powers)
+    powers.flags.writeable = False
+    return powers
 
 
 def _ladders(points: Array, degree: int) -> tuple[Array, Array]:

@@ -89,14 +89,20 @@ def projection_jacobian(view: View, points_in_guide: Array, directions: Array) -
         and a translation (mm), both in the source frame and applied on the left.
     """
     intrinsics = view.intrinsics
-    turned = points_in_guide @ view.source_from_guide[:3, :3].T
-    plane = turned + view.source_from_guide[:3, 3]
-    depth_mm = plane[:, 2:]
-    plane = plane[:, :2] / depth_mm
-    across = directions * (intrinsics.alpha_x_px, intrinsics.alpha_y_px) / depth_mm
-    by_place = np.column_stack((across, -(across * plane).sum(axis=1)))
+    turned = view.source_from_guide[:3, :3] @ points_in_guide.T
+    in_source = turned + view.source_from_guide[:3, 3, None]
+    u, v = in_source[:2] / in_source[2]
+    along_u, along_v = directions.T
+    x, y, z = turned
+    jacobian = np.empty((10, len(directions)))
+    jacobian[0], jacobian[1], jacobian[2], jacobian[3] = along_u * u, along_v * v, along_u, along_v
+    by_x, by_y, by_z = jacobian[7:]
+    np.divide(along_u * intrinsics.alpha_x_px, in_source[2], out=by_x)
+    np.divide(along_v * intrinsics.alpha_y_px, in_source[2], out=by_y)
+    by_z[:] = -(by_x * u + by_y * v)
     # b . (w x p) = w . (p x b)
-    return np.hstack((directions * plane, directions, np.cross(turned, by_place), by_place))
+    jacobian[4], jacobian[5], jacobian[6] = y * by_z - z * by_y, z * by_x - x * by_z, x * by_y - y * by_x
+    return np.ascontiguousarray(jacobian.T)
 
 
 def ring_conic(view: View, radius_mm: float, z_mm: float) -> Array:

@@ -121,8 +121,9 @@ def _misfit_px(views: _Views, places: Array, guide: Guide) -> Array:
 
 def _adjugate_transposed(matrices: Array) -> Array:
     """Of (p, 3, 3): the inverses' transposes but for a factor, and defined where a matrix has no inverse."""
-    first, second, third = np.moveaxis(matrices, 1, 0)
-    return np.stack((np.cross(second, third), np.cross(third, first), np.cross(first, second)), axis=1)
+    (a, b, c), (d, e, f), (g, h, i) = matrices.transpose(1, 2, 0)
+    rows = ((e * i - f * h, f * g - d * i, d * h - e * g), (h * c - i * b, i * a - g * c, g * b - h * a))
+    return np.array((*rows, (b * f - c * e, c * d - a * f, a * e - b * d))).transpose(2, 0, 1)
 
 
 def _around(ellipse: Ellipse) -> Array:

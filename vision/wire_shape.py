@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -12,6 +13,7 @@ Array = NDArray[np.float64]
 PIXEL_VARIANCE = 1.0 / 12.0  # px^2, of the mean over a pixel
 _FINENESS = 8  # samples a pixel of the tabulated profiles
 _BLUR_REACH = 4.0  # standard deviations
+_KEPT = 16  # profiles: those of one view, which line ends, bead and bands ask for again
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,6 +38,7 @@ class Profile:
         return np.sign(distance_px) * np.interp(np.abs(distance_px), self.distance_px, self.slope_per_px, right=0.0)
 
 
+@lru_cache(_KEPT)
 def wire_profile(radius_px: float, depth: float, blur_px: float) -> Profile:
     """The profile across a wire.
 
@@ -52,6 +55,7 @@ def wire_profile(radius_px: float, depth: float, blur_px: float) -> Profile:
     return _table(x, _blurred(np.exp(-depth * _chord(x, radius_px)), blur_px))
 
 
+@lru_cache(_KEPT)
 def ball_profile(radius_px: float, depth: float, blur_px: float) -> Profile:
     """The profile from the middle of a ball outwards; arguments as of `wire_profile`."""
     x, kernel = _axis(radius_px, blur_px), _kernel(blur_px)
