@@ -9,7 +9,6 @@ on where the last one ended. Shares are printed by group and by dose with 95 % b
 """
 
 import argparse
-import json
 import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -19,6 +18,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from kept import keep_line, kept_lines
 from numpy.typing import NDArray
 from samples import Sample, errors, registered
 from scipy.spatial.transform import Rotation
@@ -125,19 +125,17 @@ def result(group: str, seed: int) -> Result:
 
 
 def kept(path: Path) -> list[Result]:
-    """Results of earlier runs; a last line that was cut off is left out."""
-    if not path.exists():
-        return []
-    return [Result(**json.loads(line)) for line in path.read_text().splitlines(keepends=True) if line.endswith("\n")]
+    """Results of earlier runs."""
+    return [Result(**fields) for fields in kept_lines(path)]
 
 
 def run(todo: Sequence[tuple[str, int]], path: Path, processes: int) -> list[Result]:
     """Results of scenes, each written as it comes."""
     results = []
-    with ProcessPoolExecutor(processes, initializer=cv2.setNumThreads, initargs=(1,)) as pool, path.open("a") as file:
+    with ProcessPoolExecutor(processes, initializer=cv2.setNumThreads, initargs=(1,)) as pool:
         for done in pool.map(result, *zip(*todo, strict=True), chunksize=4):
             results.append(done)
-            print(json.dumps(asdict(done)), file=file, flush=True)
+            keep_line(path, asdict(done))
     return results
 
 

@@ -31,7 +31,7 @@ _ON_LINE = 24
 _EVERY = 2  # sample of the line whose profile is read to compare directions
 _LEAST_ON_LINE = 0.12  # share of those that must look like a wire for a slope to be taken from them
 _INSET_MM = 1.5  # of the line's ends, which blur
-_APART = 6  # directions (6 deg) nearer than this to a better one are the same line
+_APART = 3  # directions (3 deg) no farther than this from a better one are the same line: its width where it starts
 _MOST_DIRECTIONS = 5
 _AS_GOOD = 0.7  # of the best direction's share: solved as well, and judged by line ends and bead
 _WORST_MISFIT = 0.5  # of a profile's amplitude
@@ -112,16 +112,11 @@ def first_views(pair: RingView, guide: Guide, directions: "LineDirections", read
 
 def _peaks(contrast: Array) -> list[int]:
     """The greatest contrast's direction, and the next few that may be a line's, no two of them the same line's."""
-    left = contrast.copy()
-    peaks: list[int] = []
     around = np.arange(-_APART, _APART + 1)
-    for _ in range(_MOST_DIRECTIONS):
-        peak = int(np.argmax(left))
-        if peaks and left[peak] < LEAST_LINE_CONTRAST:
-            break
-        peaks.append(peak)
-        left[(peak + around) % len(left)] = -np.inf
-    return peaks
+    summits = contrast >= contrast[(np.arange(len(contrast))[:, None] + around) % len(contrast)].max(axis=1)
+    found = np.flatnonzero(summits & (contrast >= LEAST_LINE_CONTRAST))
+    order = found[np.argsort(-contrast[found], kind="stable")]
+    return order[:_MOST_DIRECTIONS].tolist() or [int(np.argmax(contrast))]
 
 
 def _line_shares(views: list[View], guide: Guide, reader: ProfileReader) -> Array:

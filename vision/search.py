@@ -1,7 +1,6 @@
 """The guide in a corrected image: candidates, each refined and judged, and the only one that passes."""
 
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -22,8 +21,6 @@ from vision.wire_model import sample_wires
 _FINAL = frozenset({RefusalCode.MIRRORED, RefusalCode.AMBIGUOUS})  # looking harder changes nothing about these
 _HARDLY_THERE = 0.75  # of a ring's circumference with ridge points; arcs of other things reach 0.6
 _RING_SUPPORT = 0.6  # of a ring: what only looks like one has half of its circumference by chance
-_SAME_WITHIN_MM = 1.0  # refits of one guide agree far better, two guides cannot be so near
-_SAME_WITHIN_RAD = math.radians(3.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,7 +34,7 @@ class Search:
     attempts : list[Attempt]
         What became of each first view.
     passed : list[Attempt]
-        Those that passed, no two of them the same view.
+        Those that passed, no two of them one guide.
     outcome : Solution or Refusal
         The only one that passed, or why there is none.
     """
@@ -158,11 +155,11 @@ def _attempt(first: FirstView, scene: Scene, image: CorrectedImage) -> Attempt:
 
 
 def _passed(attempts: list[Attempt]) -> list[Attempt]:
-    """Those that passed, the first of each view."""
+    """Those that passed, the first of each guide."""
     passed: dict[int, Solution] = {}
     for index, attempt in enumerate(attempts):
         outcome = attempt.outcome
-        if isinstance(outcome, Solution) and not any(_same(outcome, other) for other in passed.values()):
+        if isinstance(outcome, Solution) and not any(_one_guide(outcome, other) for other in passed.values()):
             passed[index] = outcome
     return [attempts[index] for index in passed]
 
@@ -185,8 +182,6 @@ def _judged_first(first: FirstView, guide: Guide, image: CorrectedImage) -> Refu
     return None
 
 
-def _same(one: Solution, other: Solution) -> bool:
-    """The same place and the same turn about the axis."""
-    a, b = one.fit.view.source_from_guide, other.fit.view.source_from_guide
-    near = float(np.linalg.norm(a[:3, 3] - b[:3, 3])) < _SAME_WITHIN_MM
-    return near and float(a[:3, 0] @ b[:3, 0]) > math.cos(_SAME_WITHIN_RAD)
+def _one_guide(one: Solution, other: Solution) -> bool:
+    """Whether two solutions lie on the same wires: views that differ by what no image tells well are one guide's."""
+    return lies_on(one.fit.view, one.fit.guide, other.fit.view, other.fit.guide)

@@ -13,6 +13,7 @@ from vision import search
 from vision.detection import QUICK
 from vision.devices import CArm, Guide
 from vision.measuring import Scene, find, measure
+from vision.projection import View
 from vision.refusal import Refusal, RefusalCode
 from vision.registration import examine
 from vision.ring_likeness import lies_on
@@ -110,3 +111,21 @@ def test_a_fit_without_a_finite_step_says_so(
     result = examine(image, guide, flat_panel).result
     assert isinstance(result, Refusal)
     assert result.code is RefusalCode.GUIDE_MISMATCH
+
+
+def test_views_of_one_guide_that_differ_in_depth_are_one(image: XrayImage, guide: Guide, flat_panel: CArm) -> None:
+    """Source distance and the guide's own trade: by some millimetres they look alike."""
+    findings = examine(image, guide, flat_panel)
+    assert findings.search is not None
+    (passed,) = findings.search.passed
+    assert isinstance(passed.outcome, Solution)
+    fit = passed.outcome.fit
+    pose, seen = fit.view.source_from_guide.copy(), fit.view.intrinsics
+    longer = 1.005
+    pose[:3, 3] *= (1.0, 1.0, longer)
+    farther = View(replace(seen, alpha_x_px=seen.alpha_x_px * longer, alpha_y_px=seen.alpha_y_px * longer), pose)
+    again = replace(passed, outcome=replace(passed.outcome, fit=replace(fit, view=farther)))
+    assert search._passed([passed, again]) == [passed]
+    turned = View(seen, fit.view.source_from_guide @ np.diag((-1.0, -1.0, 1.0, 1.0)))
+    elsewhere = replace(passed, outcome=replace(passed.outcome, fit=replace(fit, view=turned)))
+    assert search._passed([passed, elsewhere]) == [passed, elsewhere]
