@@ -44,7 +44,7 @@ class ChainCheck:
     def _entry(self, *row: Any) -> Entry | None:
         *repeated, text, sha256, reached_at = row
         sequence, find = repeated[0], self._verification.find
-        if not (isinstance(sequence, int) and isinstance(sha256, str) and isinstance(reached_at, str)):
+        if not _is_head(sequence, sha256, reached_at):
             find(f"entry {sequence}", "a column of it is of another kind: the file is damaged")
             return None
         if sequence != self._before.sequence + 1:
@@ -78,7 +78,12 @@ def _before(connection: Connection, first: int) -> Head:
     """What stands before an entry; where that is missing too, the walk that ends there has said so."""
     query = sa.select(_LEDGER.sequence, _LEDGER.sha256, _LEDGER.reached_at).where(_LEDGER.sequence < first)
     row = connection.execute(query.order_by(_LEDGER.sequence.desc()).limit(1)).first()
-    return BEFORE_THE_FIRST if row is None else Head(*row)
+    return Head(*row) if row is not None and _is_head(*row) else BEFORE_THE_FIRST
+
+
+def _is_head(sequence: object, sha256: object, reached_at: object) -> bool:
+    """The columns' constraints say so; a damaged file keeps to none."""
+    return isinstance(sequence, int) and isinstance(sha256, str) and isinstance(reached_at, str)
 
 
 def _parsed(text: Any) -> Entry | None:
