@@ -1,35 +1,22 @@
 """A whole procedure by touch alone, and a picture of each of its screens."""
 
-import io
-import os
 from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 
 import pytest
-from PIL import Image
 
 from coaxial_client import Case
 from simulator.demo.stage import Stage
 from tests.tablet.conftest import PEDICLE
+from tests.tablet.picture import take_picture
 from tests.tablet.tablet import Tablet
 from tests.tablet.walk import Walk
-
-_COLOURS = 256  # of a picture: a third of its size, and nothing lost that the eye would miss
-# The documentation's pictures are written where this names a folder: `make pictures`.
-_PICTURES = os.environ.get("COAXIAL_TEST_PICTURES")
 
 
 @pytest.fixture
 def look(surgeon: Tablet) -> Callable[[str], None]:
-    """Take a picture of the screen, the last of a name stays."""
-
-    def take(name: str) -> None:
-        if _PICTURES:
-            surgeon.page.wait_for_timeout(300)  # a frame more than what the eye waits for
-            picture = Image.open(io.BytesIO(surgeon.page.screenshot(animations="disabled")))
-            picture.convert("RGB").quantize(_COLOURS).save(Path(_PICTURES) / f"{name}.png", optimize=True)
-
-    return take
+    """Take a picture of the screen."""
+    return partial(take_picture, surgeon.page)
 
 
 @pytest.fixture
@@ -41,7 +28,6 @@ def walk(stage: Stage, surgeon: Tablet, case: Case, look: Callable[[str], None])
 @pytest.mark.lengthy
 @pytest.mark.timeout(420)  # half a minute on a quiet machine; a crowded one loses the hold again and again
 def test_a_whole_procedure_goes_by_touch_alone(walk, surgeon):
-    walk.look("cases")
     walk.begin()
     walk.turn_carm(PEDICLE)
     walk.look("carm_positioned")

@@ -13,6 +13,7 @@ from pydicom import dcmread
 from pydicom.uid import generate_uid
 
 from service.auth.permissions import Role
+from tests.tablet.picture import take_picture
 from tests.tablet.quiet_room import QuietRoom
 from tests.tablet.tablet import Tablet
 
@@ -47,6 +48,7 @@ def test_a_plan_from_3d_slicer_opens_a_case(room):
     assert page.locator("input[aria-invalid=true]").count() == 9
     _choose(tablet, "spine.mrk.json", json.dumps(_MARKUPS))
     page.get_by_text("spine.mrk.json: 1 planned paths").wait_for()
+    take_picture(page, "new_case")
     page.get_by_label("Patient id").fill("P2")
     page.get_by_label("Study UID").fill("1.2.4")
     hand.tap("Supine")
@@ -83,8 +85,10 @@ def test_the_engineer_makes_the_daily_check_and_is_told_what_failed(room):
     failed = tablet.page.locator(".checked-item.is-bad")
     failed.wait_for()
     assert "Switch the arm on" in failed.inner_text()
+    take_picture(tablet.page, "daily_check")
     tablet.hand.tap("Cases")
     tablet.page.get_by_role("button", name="Failed, 0 h ago").wait_for()
+    take_picture(tablet.page, "cases")
     assert _faults_by_axe(tablet) == []
 
 
@@ -104,6 +108,17 @@ def test_device_files_are_read_uploaded_and_seen_to_expire(room):
     assert _faults_by_axe(tablet) == []
 
 
+def test_the_door_speaks_every_language(room):
+    tablet = room.open_at(room.running.url)
+    tablet.page.goto(tablet.url)
+    tablet.page.locator(".pad").wait_for()
+    take_picture(tablet.page, "sign_in")
+    for code, words in (("de", "Passwort verwenden"), ("en", "Use the password")):
+        tablet.hand.tap(tablet.page.locator(f".language[lang={code}]"))
+        tablet.page.get_by_role("button", name=words).wait_for()
+        assert tablet.page.locator("html").get_attribute("lang") == code
+
+
 def test_the_auditor_goes_through_the_record_of_a_case(room):
     with room.running.client() as client:
         refused = client.post(
@@ -117,6 +132,7 @@ def test_the_auditor_goes_through_the_record_of_a_case(room):
     _entry(tablet, "Verification passed")
     assert page.locator(".compare canvas").count() == 2
     assert "within the limit" in page.locator(".detail").inner_text()
+    take_picture(page, "record")
     _entry(tablet, "Registration completed")
     page.get_by_role("group", name="Drawn over the image").wait_for()
     hand.tap("Refusals")
