@@ -18,6 +18,7 @@ from PIL.TiffImagePlugin import TiffImageFile
 from pydicom.pixels import pixel_array
 
 from vision.deflated import inflates_beyond
+from vision.frame_size import disagrees
 from vision.jpeg_extended import add_decoder
 from vision.refusal import Refusal, RefusalCode
 
@@ -162,6 +163,8 @@ def _dicom_pixels(dataset: Any, frame: int | None) -> _Stored | Refusal:
     chosen = 1 if frame is None else frame
     if (frame is None and frames > 1) or not 1 <= chosen <= frames:
         return Refusal(RefusalCode.UNSUPPORTED_IMAGE, f"choose one of {frames} frames with --frame", frame, frames)
+    if disagrees(dataset, chosen - 1, frames):
+        return Refusal(RefusalCode.UNREADABLE_IMAGE, "the compressed pixels are not of the size that the header says")
     add_decoder()
     values = pixel_array(dataset, index=chosen - 1)
     bits = int(dataset.BitsStored)

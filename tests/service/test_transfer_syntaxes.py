@@ -28,6 +28,7 @@ from service.images import store
 from service.images.arrivals import ImageArrivals
 from service.images.receiver import DicomReceiver
 from service.settings import DicomSettings
+from vision.refusal import Refusal, RefusalCode
 from vision.xray import XrayImage, decode
 
 _ROWS, _COLUMNS = 300, 260
@@ -202,8 +203,8 @@ def test_an_image_is_stored_in_its_syntax_and_decoded_to_its_pixels(room, send, 
 
 
 @pytest.mark.parametrize("modality", _KINDS)
-@pytest.mark.parametrize("photometric", ["MONOCHROME1", "MONOCHROME2"])
-def test_every_kind_of_x_ray_is_stored_and_decoded_in_both_polarities(room, send, modality, photometric) -> None:
+def test_every_kind_of_x_ray_is_stored_and_decoded_in_both_polarities(room, send, modality) -> None:
+    photometric = f"MONOCHROME{1 + list(_KINDS).index(modality) % 2}"
     values = _shadows(12, 100 + len(modality + photometric))
     send(SYNTAXES["JPEG lossless SV1"], modality, values, PhotometricInterpretation=photometric)
     image, content = room.newest()
@@ -212,3 +213,20 @@ def test_every_kind_of_x_ray_is_stored_and_decoded_in_both_polarities(room, send
     assert isinstance(decoded, XrayImage)
     shown = np.round(decoded.pixels * 4095).astype(int)
     np.testing.assert_array_equal(shown if photometric == "MONOCHROME2" else 4095 - shown, values)
+
+
+@pytest.mark.hazard("H31")
+@pytest.mark.parametrize("size", [(_ROWS - 30, _COLUMNS), (_ROWS + 300, _COLUMNS), (_COLUMNS, _ROWS)])
+@pytest.mark.parametrize("name", [name for name, one in SYNTAXES.items() if ".4." in one.uid])
+def test_a_header_of_another_size_than_the_compressed_pixels_is_refused(make_xray, tmp_path, name, size) -> None:
+    syntax = SYNTAXES[name]
+    values, plain = _shadows(syntax.bits, 7), tmp_path / "plain.dcm"
+    bits = {"BitsAllocated": 8 * values.itemsize, "BitsStored": syntax.bits, "HighBit": syntax.bits - 1}
+    plain.write_bytes(make_xray(_ROWS, _COLUMNS, PixelData=values.tobytes(), **bits))
+    dataset = dcmread(syntax.make(plain))
+    dataset.Rows, dataset.Columns = size
+    changed = BytesIO()
+    dataset.save_as(changed, enforce_file_format=True)
+    refusal = decode(changed.getvalue())
+    assert isinstance(refusal, Refusal)
+    assert (refusal.code, "size" in refusal.message) == (RefusalCode.UNREADABLE_IMAGE, True)
