@@ -13,6 +13,7 @@ from pydicom import dcmread
 from pydicom.uid import generate_uid
 
 from service.auth.permissions import Role
+from tests.service.conftest import PIN
 from tests.tablet.picture import take_picture
 from tests.tablet.quiet_room import QuietRoom
 from tests.tablet.tablet import Tablet
@@ -74,6 +75,11 @@ def test_a_quarantined_image_is_seen_with_the_reason(room, open_case):
     assert "P9" in tablet.page.locator(".entry-line").inner_text()
     assert "another patient's image" in tablet.page.locator(".detail").inner_text()
     tablet.page.locator(".review-seen canvas").wait_for()
+    assert tablet.page.get_by_role("button", name="Emergency access").is_visible()
+    tablet.hand.tap("Lock")
+    tablet.page.get_by_role("heading", name="Locked").wait_for()
+    assert tablet.page.get_by_role("button", name="Emergency access").is_visible()
+    tablet.hand.enter(PIN)
     tablet.hand.tap("Back")
     tablet.is_at("case_open")
 

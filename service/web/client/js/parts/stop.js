@@ -6,7 +6,7 @@
 import { html, signal } from "../../vendor/preact.js";
 import { insist } from "../api.js";
 import { readStatus, status } from "../case/live.js";
-import { noteRefusal } from "../room/room.js";
+import { noteRefusal, room } from "../room/room.js";
 import { t } from "../words.js";
 
 /** What became of the newest press. */
@@ -59,7 +59,8 @@ export function EmergencyAccess({ caseId }) {
   return html`<button class="button is-grave emergency" ...${onPress(release)}><i class="icon icon-hand"></i><span>${t("emergency")}</span></button>`;
 }
 
-/** The bar of screens without a case. @param {any} props */
+/** The bar of every screen but a case's own; while the room has an open case the arm can be left to the pendant there too. @param {any} props */
 export function StopBar({ children }) {
-  return html`<footer class="bar">${children}<span class="grow"></span><${Stop} /></footer>`;
+  const open = room.value?.open_case;
+  return html`<footer class="bar">${children}<span class="grow"></span>${open && html`<${EmergencyAccess} caseId=${open} />`}<${Stop} /></footer>`;
 }
