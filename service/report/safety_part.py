@@ -30,8 +30,10 @@ _SAID = (
     Trigger.HAND_GUIDED,
     Trigger.DEVICE_CHANGED,
 )
+# A verification is asked about as one that passed, and the verdicts say whether it did.
+_ASKED = {Trigger.VERIFICATION_PASSED.value: "verification judged"}
 _SIGNED = (Trigger.MOVE_APPROVED, Trigger.INSERTION_STARTED, Trigger.CASE_CLOSED)
-_WORDS = ("text", "label", "purpose", "reason", "what", "message", "cause")
+_WORDS = ("text", "label", "purpose", "reason", "what", "message")
 
 
 def decided(record: CaseRecord) -> str:
@@ -47,7 +49,7 @@ def failures(record: CaseRecord) -> list[list[str | list[str]]]:
         [
             clock(one["recorded_at"]),
             record.person(one["user_id"]),
-            words(one["trigger"]),
+            _ASKED.get(one["trigger"]) or words(one["trigger"]),
             "recorded" if one["accepted"] else "refused",
             _why_not(one),
         ]
@@ -129,19 +131,18 @@ def statements(record: CaseRecord) -> list[Row]:
 
 
 def _event(record: CaseRecord, event: StoredEvent) -> Row:
-    said = "; ".join(words(str(event.data[name])) if name == "cause" else str(event.data[name])
-                     for name in _WORDS if event.data.get(name))  # fmt: skip
-    return [
-        clock(event.recorded_at),
-        record.person(event.user_id),
-        words(event.trigger),
-        said or _guide(event),
-        words(event.state),
-    ]
+    who, what = record.person(event.user_id), words(event.trigger)
+    return [clock(event.recorded_at), who, what, "; ".join(_said(event.data)), words(event.state)]
 
 
-def _guide(event: StoredEvent) -> str:
-    return f"guide stated {event.data['guide']}" if "guide" in event.data else ""
+def _said(data: Json) -> Iterator[str]:
+    if data.get("cause"):
+        yield words(data["cause"])
+    if data.get("emergency_access"):
+        yield "emergency access: the arm was left to the pendant"
+    if "guide" in data:
+        yield f"guide stated {data['guide']}"
+    yield from (str(data[name]) for name in _WORDS if data.get(name))
 
 
 def signatures(record: CaseRecord) -> list[Row]:

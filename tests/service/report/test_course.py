@@ -88,7 +88,7 @@ def test_verdicts_that_cannot_be_told_apart_are_left_out(telling, place):
 
 def test_what_was_overridden_stopped_and_signed_is_told_with_who_and_why(telling):
     telling.tell("plan_requested", overrides={"image_age": "bone is thin"})
-    telling.tell("stop", state="safe_hold")
+    telling.tell("stop", state="safe_hold", emergency_access=True)
     telling.tell("fault", None, state="safe_hold", cause="heartbeat_lost")
     telling.tell("acknowledged", guide="wire")
     telling.tell("case_closed", state="closed", abandoned={})
@@ -97,7 +97,7 @@ def test_what_was_overridden_stopped_and_signed_is_told_with_who_and_why(telling
         ["anna", "plan requested", "image_age", "bone is thin"]
     ]
     assert [row[1:] for row in safety_part.stops(record)] == [
-        ["anna", "stop", "", "safe hold"],
+        ["anna", "stop", "emergency access: the arm was left to the pendant", "safe hold"],
         ["the service", "fault", "heartbeat lost", "safe hold"],
         ["anna", "acknowledged", "guide stated wire", "moved"],
     ]
