@@ -37,13 +37,13 @@ def is_beside(rings: Iterable[Ellipse], view: View, guide: Guide) -> bool:
     return not any(is_one_ring(ring, own, _BESIDE_RING) for ring, own in both)
 
 
-def lies_on(view: View, guide: Guide, known_view: View, known_guide: Guide) -> bool:
+def lies_on(view: View, guide: Guide, known_view: View, known_guide: Guide, within: float = _ONE_RING_WITHIN) -> bool:
     """Whether a view's rings and line are those of a known one."""
     rings, own = rings_of(view, guide), rings_of(known_view, known_guide)
-    if len(rings) != len(own) or not all(map(is_one_ring, rings, own)):
+    if len(rings) != len(own) or not all(is_one_ring(*both, within) for both in zip(rings, own, strict=True)):
         return False
     apart_px = np.abs(_line_ends_px(view, guide) - _line_ends_px(known_view, known_guide)).max()
-    return bool(apart_px < _ONE_RING_WITHIN * own[0].semi_axes_px[0])
+    return bool(apart_px < within * own[0].semi_axes_px[0])
 
 
 def _line_ends_px(view: View, guide: Guide) -> Array:

@@ -20,6 +20,7 @@ from vision.wire_model import sample_wires
 
 _FINAL = frozenset({RefusalCode.MIRRORED, RefusalCode.AMBIGUOUS})  # looking harder changes nothing about these
 _HARDLY_THERE = 0.75  # of a ring's circumference with ridge points; arcs of other things reach 0.6
+_REFITTED_WITHIN = 0.01  # of the small ring's size: refits to the same wires agree to some tenths of a pixel
 _RING_SUPPORT = 0.6  # of a ring: what only looks like one has half of its circumference by chance
 
 
@@ -184,4 +185,4 @@ def _judged_first(first: FirstView, guide: Guide, image: CorrectedImage) -> Refu
 
 def _one_guide(one: Solution, other: Solution) -> bool:
     """Whether two solutions lie on the same wires: views that differ by what no image tells well are one guide's."""
-    return lies_on(one.fit.view, one.fit.guide, other.fit.view, other.fit.guide)
+    return lies_on(one.fit.view, one.fit.guide, other.fit.view, other.fit.guide, _REFITTED_WITHIN)
