@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from tests.certificates import Certificate, make_certificate
 from tests.databases import Databases, PostgresqlDatabases, SqliteFiles
 from tests.postgresql_server import PROGRAMS, postgresql_server
 
@@ -38,3 +39,9 @@ def databases(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
         chosen: Databases = request.getfixturevalue("postgresql")
         return chosen
     return SqliteFiles(tmp_path_factory.mktemp("migrated"))
+
+
+@pytest.fixture(scope="session")
+def certificate(tmp_path_factory: pytest.TempPathFactory) -> Certificate:
+    """A certificate of localhost's own."""
+    return make_certificate(tmp_path_factory.mktemp("tls"))

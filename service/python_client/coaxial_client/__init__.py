@@ -1,8 +1,9 @@
 """The public Python client of Coaxial: what a scripted user needs of a room's service, and nothing else.
 
-    with Coaxial("http://127.0.0.1:8700") as room:
-        room.sign_in("surgeon", "password")
-        print(room.status()["open_case"])
+    >>> with Coaxial(url) as room:
+    ...     _ = room.sign_in("surgeon", password)
+    ...     room.status()["open_case"] is None
+    True
 
 It speaks the service's HTTP and WebSocket interface and imports nothing of Coaxial's other packages. What the service
 refuses is raised as `Refused`; where nothing comes back, `NoAnswer` is. No request is ever sent a second time: after

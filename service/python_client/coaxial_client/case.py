@@ -148,6 +148,10 @@ class Case:
         """The C-arm's angles for a planned target, degrees."""
         return self.room.get(f"/cases/{self.id}/planned-targets/{planned_target}/carm-angles")
 
+    def report(self, file: Path) -> Path:
+        """Write the case's report, a PDF."""
+        return self.room.download(f"/cases/{self.id}/report", file)
+
     def export(self, file: Path, *, pseudonymise: bool = False) -> Path:
         """Write everything that was recorded of the case, with its proof, to one file."""
         return self.room.download(f"/cases/{self.id}/export", file, pseudonymise=pseudonymise)

@@ -1,16 +1,10 @@
 """Checkpoints over TLS to a receiver that is there, is down, and comes back (RFC 5425)."""
 
-import datetime
 import json
 import socket
-import ssl
 import threading
 
 import pytest
-from cryptography import x509
-from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
-from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
-from cryptography.x509.oid import NameOID
 
 from service.ledger.checkpoints import sign_head
 from service.ledger.entries import head_of
@@ -18,31 +12,11 @@ from service.ledger.syslog import CheckpointSender
 from service.settings import AuditSettings
 
 
-@pytest.fixture(scope="session")
-def certificate(tmp_path_factory):
-    """A certificate of localhost's own."""
-    key, name = Ed25519PrivateKey.generate(), x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "localhost")])
-    now = datetime.datetime.now(datetime.UTC)
-    made = (
-        x509.CertificateBuilder(name, name, key.public_key(), x509.random_serial_number())
-        .not_valid_before(now - datetime.timedelta(days=1))
-        .not_valid_after(now + datetime.timedelta(days=1))
-        .add_extension(x509.SubjectAlternativeName([x509.DNSName("localhost")]), critical=False)
-        .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
-        .sign(key, None)
-    )
-    folder = tmp_path_factory.mktemp("tls")
-    (folder / "cert.pem").write_bytes(made.public_bytes(Encoding.PEM))
-    (folder / "key.pem").write_bytes(key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()))
-    return folder
-
-
 class Receiver:
     """Takes messages by the counted frames of RFC 5425 until it is closed."""
 
     def __init__(self, certificate, port: int = 0) -> None:
-        self._context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
-        self._context.load_cert_chain(certificate / "cert.pem", certificate / "key.pem")
+        self._context = certificate.server_context()
         self._socket = socket.create_server(("127.0.0.1", port))
         self._socket.settimeout(10)
         self.port = self._socket.getsockname()[1]
@@ -69,7 +43,7 @@ class Receiver:
 
 
 def _sender(record, database, certificate, port):
-    settings = AuditSettings(syslog_host="localhost", syslog_port=port, syslog_ca_file=certificate / "cert.pem")
+    settings = AuditSettings(syslog_host="localhost", syslog_port=port, syslog_ca_file=certificate.file)
     return CheckpointSender(settings, database, record.folder / "sent")
 
 
