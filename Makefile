@@ -99,6 +99,9 @@ check-removal: $(VENV)/.test  ## the same with each check of the guard: CHECKS="
 audit-bench: $(VENV)/.runtime  ## how fast the ledger is written, verified (COUNT=20000 entries) and read (PAGES=1000000)
 	$(BIN)/python benchmarks/audit.py --count $(or $(COUNT),20000) --pages $(or $(PAGES),1000000)
 
+trends-bench: $(VENV)/.runtime  ## how soon a drift across cases is flagged, and how often one that is not there; REPORTS=2000 a line
+	$(BIN)/python -m benchmarks.trends --reports $(or $(REPORTS),2000)
+
 replay-bench: $(VENV)/.runtime  ## how fast CASES=40 past cases are replayed by 1, 2, ... WORKERS processes
 	$(BIN)/python -m benchmarks.replay --cases $(or $(CASES),40) $(if $(WORKERS),--workers $(WORKERS))
 

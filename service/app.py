@@ -16,6 +16,7 @@ import service.operations.health
 import service.pacs.router
 import service.report.router
 import service.slicer.router
+import service.trends.router
 import service.web.router
 from service import room_status
 from service.assembly import assemble
@@ -53,6 +54,7 @@ ROUTERS: tuple[APIRouter, ...] = (
     service.archive.router.router,
     service.report.router.router,
     service.slicer.router.router,
+    service.trends.router.router,
     *CONDUCTOR_ROUTERS,
 )
 # What runs beside the requests: entered in this order once the parts are up, left in reverse before they close.

@@ -33,6 +33,7 @@ class ErrorCode(StrEnum):
     CASE_UNKNOWN = "case_unknown"
     CASE_OPEN = "case_open"
     CASE_ELSEWHERE = "case_elsewhere"
+    TOO_FEW_CASES = "too_few_cases"
     ARTEFACT_UNKNOWN = "artefact_unknown"
     VERSION_MISSING = "version_missing"
     VERSION_STALE = "version_stale"
@@ -159,6 +160,7 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.LEASE_LOST: Answer(409, "Somebody else has taken control; take it back only after talking to them."),
     ErrorCode.CASE_UNKNOWN: Answer(404, "Choose a case from the list."),
     ErrorCode.CASE_OPEN: Answer(409, "Close or abort the open case of this room first."),
+    ErrorCode.TOO_FEW_CASES: Answer(409, "Wait for more cases: from so few, chance and drift look alike."),
     ErrorCode.CASE_ELSEWHERE: Answer(409, "Ask the service of the room that the answer names."),
     ErrorCode.ARTEFACT_UNKNOWN: Answer(404, "Read the case again; its chain names what exists."),
     ErrorCode.VERSION_MISSING: Answer(428, "Send If-Match with the version that the decision was made on."),

@@ -1,0 +1,1 @@
+"""How cases go over time, by device: figures of every finished case, control charts, what drifts."""
