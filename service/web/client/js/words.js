@@ -70,6 +70,13 @@ export function number(value, digits = 2) {
   return value.toLocaleString(language.value, { minimumFractionDigits: digits, maximumFractionDigits: digits });
 }
 
+/** What the service measured or sets as a limit, whatever kind of value it is. @param {any} value */
+export function plain(value) {
+  if (typeof value === "number") return number(value, Math.abs(value) >= 100 ? 0 : 3);
+  if (typeof value === "boolean") return t(value ? "yes" : "no");
+  return value === null || value === undefined ? "–" : tOr(`value.${String(value).replaceAll(" ", "_")}`, String(value));
+}
+
 /** @param {string} at ISO time */
 export function clock(at) {
   return new Date(at).toLocaleTimeString(language.value, CLOCK);

@@ -4,7 +4,7 @@ import { html } from "../../vendor/preact.js";
 import { allowance } from "../case/allowing.js";
 import { refusal } from "../case/commands.js";
 import { Override } from "../case/overriding.js";
-import { number, t, tOr } from "../words.js";
+import { plain, t, tOr } from "../words.js";
 
 /** Every reason of the status against one request. @param {{trigger: string}} props */
 export function Refusing({ trigger }) {
@@ -29,13 +29,6 @@ export function Why({ code, message, measured, limit, unit, children }) {
     ${measured !== null && measured !== undefined && html`<small>${t("refused.measured", { measured: plain(measured), limit: plain(limit), unit: unit ?? "" })}</small>`}
     ${children}
   </li>`;
-}
-
-/** @param {any} value */
-function plain(value) {
-  if (typeof value === "number") return number(value, Math.abs(value) >= 100 ? 0 : 3);
-  if (typeof value === "boolean") return t(value ? "yes" : "no");
-  return value === null || value === undefined ? "–" : tOr(`value.${value}`, String(value));
 }
 
 /** The answer to a request that was refused just now, until it is put away. */

@@ -8,7 +8,7 @@ import { PlanWords } from "../move/motion_panel.js";
 import { Figures, Row } from "../parts/controls.js";
 import { people } from "../room/room.js";
 import { Errors } from "../screens/verified.js";
-import { day, number, t, tOr } from "../words.js";
+import { day, number, plain, t, tOr } from "../words.js";
 
 /** @param {{caseId: string, entry: import("./entries.js").Entry}} props */
 export function Detail({ caseId, entry }) {
@@ -73,13 +73,6 @@ function Verdicts({ verdicts }) {
   const ordered = [...verdicts].sort((a, b) => Number(a.passed) - Number(b.passed));
   return html`<table>
     <thead><tr><th>${t("review.interlock")}</th><th>${t("review.hazard")}</th><th>${t("review.measured")}</th><th>${t("review.limit")}</th></tr></thead>
-    <tbody>${ordered.map((one) => html`<tr class=${one.passed ? "" : "is-failed"}><td>${one.code}</td><td>${one.hazard}</td><td>${shown(one.measured)} ${one.unit}</td><td>${shown(one.limit)}</td></tr>`)}</tbody>
+    <tbody>${ordered.map((one) => html`<tr class=${one.passed ? "" : "is-failed"}><td>${one.code}</td><td>${one.hazard}</td><td>${plain(one.measured)} ${one.unit}</td><td>${plain(one.limit)}</td></tr>`)}</tbody>
   </table>`;
-}
-
-/** @param {any} value */
-function shown(value) {
-  if (typeof value === "number") return number(value, 3);
-  if (typeof value === "boolean") return t(value ? "yes" : "no");
-  return value ?? "–";
 }

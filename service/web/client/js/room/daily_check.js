@@ -7,7 +7,7 @@ import { Head } from "../parts/head.js";
 import { StopBar } from "../parts/stop.js";
 import { Told } from "../parts/told.js";
 import { keepAwake, session } from "../session.js";
-import { day, number, t, tOr } from "../words.js";
+import { day, number, plain, t, tOr } from "../words.js";
 import { goTo, noteRefusal, people, readRoom, room } from "./room.js";
 
 const LOOK_EVERY_MS = 1000;
@@ -88,11 +88,4 @@ function Item({ code, passed, measured, limit, unit, what_to_do: what }) {
     <span>${plain(measured)} ${unit}</span><small>${code.endsWith(DATED) ? t("check.today", { day: limit }) : t("check.limit", { limit: `${plain(limit)} ${unit}` })}</small>
     ${!passed && html`<p class="onwards">${tOr(`do.check_${code}`, what)}</p>`}
   </li>`;
-}
-
-/** @param {any} value */
-function plain(value) {
-  if (typeof value === "number") return number(value, 3);
-  if (typeof value === "boolean") return t(value ? "yes" : "no");
-  return value === null ? "–" : tOr(`value.${String(value).replaceAll(" ", "_")}`, String(value));
 }
