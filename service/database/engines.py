@@ -4,8 +4,9 @@ SQLite under SQLAlchemy loses updates by default: its transactions begin at the 
 decided. Here every write transaction begins with BEGIN IMMEDIATE (SQLite) or an advisory lock (PostgreSQL).
 """
 
+import sqlite3
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -60,8 +61,11 @@ class Database:
             yield connection
 
     def _empty_log(self) -> None:
-        """Copy what is in the write-ahead log into the file; writers go on meanwhile."""
-        with closing(self.writer.raw_connection()) as connection:
+        """Copy what is in the write-ahead log into the file; writers go on meanwhile.
+
+        Where that fails, on a full disk, what was committed stands, and the next one tries again.
+        """
+        with suppress(sqlite3.Error), closing(self.writer.raw_connection()) as connection:
             connection.cursor().execute("PRAGMA wal_checkpoint(PASSIVE)")
 
     def close(self) -> None:

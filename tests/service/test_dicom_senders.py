@@ -1,6 +1,7 @@
 """Several senders at once, killed senders, a full disk, a busy database: what was acknowledged is stored, once."""
 
 import hashlib
+import sqlite3
 import subprocess
 import time
 from collections.abc import Callable, Iterator
@@ -152,3 +153,15 @@ def test_a_database_that_another_process_holds_is_answered_with_failure_and_the_
     assert _acknowledged(running.send(sent).communicate(timeout=60)[0]) == 1
     assert len(running.stored()) == 1
     impatient.close()
+
+
+@pytest.mark.sqlite
+def test_a_log_that_cannot_be_emptied_makes_no_stored_image_fail(room, files, monkeypatch):
+    def fail(connection) -> None:
+        connection.close()
+        raise sqlite3.OperationalError("database or disk is full")
+
+    monkeypatch.setattr(engines, "closing", fail)
+    running = room()
+    assert _acknowledged(running.send(files(0, 2)).communicate(timeout=60)[0]) == 2
+    assert len(running.stored()) == 2
