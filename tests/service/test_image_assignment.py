@@ -195,14 +195,21 @@ def test_what_nobody_stated_yet_or_is_unknown_is_assigned_to_nobody(surgeon, cas
         ("depth_check", "P1", "depth_check"),
         ("scout", "P2", "quarantined"),
         ("registration", "P2", "quarantined"),
+        ("registration", "P1", None),
+        ("verification", "P1", None),
     ],
 )
 def test_a_person_states_what_an_upload_is_for(surgeon, case, make_xray, stated, patient_id, purpose) -> None:
-    content = make_xray(256, 300, seed=next(_STUDIES) + 10_000, PatientID=None)
+    unnamed = {"PatientID": None, "StudyInstanceUID": None}
+    content = make_xray(256, 300, seed=next(_STUDIES) + 10_000, **unnamed)
     image = surgeon.upload_image("application/dicom", content)["id"]
-    case.command("image-identity-stated", image_id=image, patient_id=patient_id, purpose=stated)
-    found = "quarantined" if surgeon.image(image)["study_uid"] else purpose  # it names another study
-    assert surgeon.image(image)["purpose"] == found
+    if purpose is None:
+        with pytest.raises(Refused) as refused:
+            case.command("image-identity-stated", image_id=image, patient_id=patient_id, purpose=stated)
+        assert (refused.value.code, refused.value.measured) == ("purpose_refused", stated)
+    else:
+        case.command("image-identity-stated", image_id=image, patient_id=patient_id, purpose=stated)
+    assert surgeon.image(image)["purpose"] == purpose
 
 
 def test_an_assigned_image_is_in_no_chain_and_waits_for_nobody_at_the_next_start(running, case, arrive) -> None:
