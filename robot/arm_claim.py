@@ -1,18 +1,15 @@
 """One register of the controller, held as long as its connection lives: a second orchestrator finds it in use (H19)."""
 
 import socket
-import struct
 import time
 
 from robot.errors import ArmClaimedError, ArmUnreachableError, ControllerRefusedError
+from robot.rtde_frames import INPUTS, RTDE_PORT, ask, negotiate
 
-RTDE_PORT = 30004
 # The upper half is meant for RTDE clients (PolyScope 3.9 and later), the lower for field buses; the library that drives
 # the arm uses the first of the lower half.
 _REGISTER = b"input_int_register_47"
 _ANSWER_S = 1.0  # for all answers together: they come within a cycle or two
-_HEADER = struct.Struct(">HB")
-_PROTOCOL, _INPUTS = 86, 73
 _IN_USE = b"IN_USE"
 
 
@@ -69,37 +66,10 @@ class ArmClaim:
         return False
 
     def _negotiate(self, connection: socket.socket, end_s: float) -> None:
-        connection.sendall(_framed(_PROTOCOL, struct.pack(">H", 2)))
-        if _answer(connection, _PROTOCOL, end_s) != b"\x01":
+        if not negotiate(connection, end_s):
             raise ControllerRefusedError("the controller does not speak version 2 of RTDE")
-        connection.sendall(_framed(_INPUTS, _REGISTER))
-        _, *words = _answer(connection, _INPUTS, end_s)
+        _, *words = ask(connection, INPUTS, _REGISTER, end_s)
         if bytes(words) == _IN_USE:
             raise ArmClaimedError(f"the arm at {self._address} is run by somebody else")
         if bytes(words) != b"INT32":
             raise ControllerRefusedError(f"the controller does not give {_REGISTER.decode()} away")
-
-
-def _framed(kind: int, payload: bytes) -> bytes:
-    return _HEADER.pack(_HEADER.size + len(payload), kind) + payload
-
-
-def _answer(connection: socket.socket, kind: int, end_s: float) -> bytes:
-    """Payload of the next packet of a kind; the controller's text messages may come between."""
-    while True:
-        size, found = _HEADER.unpack(_exactly(connection, _HEADER.size, end_s))
-        payload = _exactly(connection, size - _HEADER.size, end_s)
-        if found == kind and payload:
-            return payload
-
-
-def _exactly(connection: socket.socket, count: int, end_s: float) -> bytes:
-    """So many bytes; OSError if they do not come in time or the connection ends."""
-    received = b""
-    while len(received) < count:
-        connection.settimeout(max(end_s - time.monotonic(), 1e-3))
-        part = connection.recv(count - len(received))
-        if not part:
-            raise ConnectionError("closed within an answer")
-        received += part
-    return received

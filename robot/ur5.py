@@ -14,10 +14,12 @@ from rtde_receive import RTDEReceiveInterface
 from scipy.spatial.transform import Rotation
 
 from robot.arm import ArmState, LinearMove
-from robot.arm_claim import RTDE_PORT, ArmClaim
+from robot.arm_claim import ArmClaim
 from robot.dashboard import DashboardLink
 from robot.errors import ArmClaimedError, ArmUnreachableError, ControllerRefusedError, RobotError
+from robot.feedback_probe import feedback_flows
 from robot.frames import Array, Transform
+from robot.rtde_frames import RTDE_PORT
 from robot.safety import PROGRAM_RUNNING_BIT, SafetyWords, classify
 
 _PROBE_S = 0.3
@@ -45,7 +47,7 @@ class UR5:
 
     def connect(self) -> bool:
         """Claim the arm (H19), open dashboard and feedback; whatever an earlier owner left running is stopped first."""
-        if not self._may_have_it() or not self._dashboard.send_stop() or not self._answers():
+        if not self._may_have_it() or not self._dashboard.send_stop() or not feedback_flows(self._address):
             return False
         self._drop_receive()
         try:

@@ -9,9 +9,10 @@ import time
 
 import pytest
 
-from robot.arm_claim import RTDE_PORT, ArmClaim
+from robot.arm_claim import ArmClaim
 from robot.errors import ArmClaimedError, ArmUnreachableError, ControllerRefusedError
 from robot.guard.messages import Phase
+from robot.rtde_frames import RTDE_PORT
 from robot.ur5 import UR5
 from simulator.controller import Fault, free_loopback_address
 

@@ -157,8 +157,7 @@ def _pose(scene: Scene) -> tuple[float, ...]:
 LOST = {"feedback_lost", "guard_lost"}
 STARTS_NOTHING = {"arm_unreachable", "controller_refused", *LOST}
 
-# A guard whose controller drips is given up as silent and started anew, more than once where the machine is busy.
-_GUARD_AGAIN_S = 90.0
+_GUARD_AGAIN_S = 30.0  # a guard that ended itself with a broken link starts anew on a busy machine
 
 
 @dataclass(frozen=True)

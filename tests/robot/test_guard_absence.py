@@ -39,14 +39,16 @@ def test_guard_survives_a_controller_that_is_switched_off(make_bench, tmp_path: 
         assert bench.client.process_id == guard
 
 
-def test_guard_outlives_a_controller_that_takes_connections_and_says_nothing(make_bench, tmp_path: Path) -> None:
+@pytest.mark.parametrize("fault", [Fault.HANDSHAKE_MUTE, Fault.BYTES_DRIP])
+def test_guard_goes_on_telling_beside_a_controller_that_answers_too_little(make_bench, tmp_path: Path, fault) -> None:
+    """It asks for the arm each second, and never gets as far as the library's constructor, which would hold it up."""
     with ControllerProcess(ControllerSettings(address=free_loopback_address())) as controller:
-        controller.inject(Fault.HANDSHAKE_MUTE)
+        controller.inject(fault)
         bench = make_bench(controller.address, tmp_path)
         bench.client.start()
         bench.until(lambda: bench.client.status is not None, 15.0)
         guard = bench.client.process_id
-        time.sleep(3.0)  # it asks for the arm each second, and never gets as far as the library's constructor
+        bench.until(lambda: bench.status.sequence >= 3, 6.0)
         assert not bench.status.connected
         controller.clear()
         bench.until(bench.sees_the_arm, 15.0)
