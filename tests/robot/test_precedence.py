@@ -6,8 +6,6 @@ import pytest
 
 from robot.guard.precedence import take_precedence
 
-pytestmark = pytest.mark.hazard("H32")
-
 
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, tuple]:
@@ -18,6 +16,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, tuple]:
     return asked
 
 
+@pytest.mark.hazard("H32")
 @pytest.mark.parametrize(("passed_on", "reset"), [(True, 0), (False, os.SCHED_RESET_ON_FORK)])
 def test_a_thread_runs_before_ordinary_work_and_what_it_starts_only_if_so_wanted(asked, passed_on, reset) -> None:
     take_precedence(passed_on=passed_on)
@@ -27,6 +26,7 @@ def test_a_thread_runs_before_ordinary_work_and_what_it_starts_only_if_so_wanted
     assert 1 <= parameter.sched_priority < 50
 
 
+@pytest.mark.hazard("H32")
 def test_without_the_right_to_it_a_thread_runs_as_before(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> None:
         raise PermissionError

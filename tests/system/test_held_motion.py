@@ -2,8 +2,13 @@
 
 import os
 import signal
+import subprocess
+import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from statistics import median
 
 import numpy as np
 import pytest
@@ -11,7 +16,7 @@ import pytest
 from coaxial_client import Refused
 from simulator.controller import Fault, Payload
 from tests.system.service_process import PIN
-from tests.system.walk import lifting
+from tests.system.walk import lifting, tilted_guide
 
 
 def _joints(controller) -> np.ndarray:
@@ -129,6 +134,36 @@ def test_emergency_access_is_open_to_every_role_with_a_locked_session_too(case, 
         operator.post("/session/lock")
         assert operator.case(case.id).emergency_access()["recorded"]
     assert case.status()["state"] == "safe_hold"
+
+
+@contextmanager
+def _every_core_busy() -> Iterator[None]:
+    burning = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(os.cpu_count() or 1)]
+    try:
+        yield
+    finally:
+        for process in burning:
+            process.kill()
+            process.wait()
+
+
+def _stop_s(case, controller, until) -> float:
+    """From the request to the wire; each stop is sent twice, by the guard and beside it."""
+    newest, at_s = controller.wire()[-1].number, time.monotonic()
+    assert case.stop()["sent_to_guard"]
+    until(lambda: sum(record.text == "stop" for record in controller.wire(newest)) >= 2)
+    return next(record.at_s for record in controller.wire(newest) if record.text == "stop") - at_s
+
+
+@pytest.mark.hazard("H32")
+def test_a_stop_waits_for_no_image_and_for_no_core(case, carm, controller, until) -> None:
+    case.command("carm-position-confirmed")
+    case.command("exposure-requested")
+    carm.expose(tilted_guide())
+    with _every_core_busy():
+        took_s = [_stop_s(case, controller, until) for _ in range(9)]
+    assert "registration_completed" not in {event["trigger"] for event in case.record()}  # it was at work all the while
+    assert median(took_s) < 0.05
 
 
 @pytest.mark.parametrize(
