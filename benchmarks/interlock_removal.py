@@ -8,7 +8,16 @@ from tests.workflow.without_interlock import VARIABLE
 from workflow.interlocks import INTERLOCKS
 
 # The search of every reachable case takes half a minute and proves less of a single interlock than these.
-_TESTS = "interlocks refusals observations permits overrides changed_configuration old_image table".split()
+_TESTS = [
+    "interlocks",
+    "refusals",
+    "observations",
+    "permits",
+    "overrides",
+    "changed_configuration",
+    "old_image",
+    "table",
+]
 _REMOVAL = Removal(
     plugin="tests.workflow.without_interlock",
     variable=VARIABLE,

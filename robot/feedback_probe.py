@@ -15,8 +15,8 @@ _TAKEN = b"\x01"
 def feedback_flows(address: str) -> bool:
     """Whether one whole reading comes in time on a connection of its own.
 
-    The library's constructors hold the interpreter while they wait, for seconds where the controller's bytes trickle:
-    no stop could be sent from this process meanwhile.
+    The library's constructors hold the interpreter while they wait, for seconds where the controller's bytes trickle;
+    this process could send no stop meanwhile.
     """
     end_s = time.monotonic() + _WITHIN_S
     try:
