@@ -60,17 +60,22 @@ def _take_stdout() -> int:
 
 
 def _heed_signals() -> int:
-    """A pipe that has something to read once this process is asked to end; a terminal's interrupt is ignored."""
+    """A pipe that has something to read once this process is asked to end; a terminal's interrupt is ignored.
+
+    No signal may interrupt the loop: in Python 3.11 the rest of a queue's time limit can then be negative, for ever.
+    """
     asked, ask = os.pipe()
     os.set_blocking(ask, False)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: None)
-    signal.set_wakeup_fd(ask)
+    signal.set_wakeup_fd(ask, warn_on_full_buffer=False)
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
     return asked
 
 
 def _await_end(asked: int, guard: Guard, inbox: _Inbox) -> None:
-    """Being asked to end is like losing the parent, and how the system tells that it is lost."""
+    """Being asked to end is like losing the parent, and how the system tells that it is lost, thread by thread."""
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
     os.read(asked, 1)
     guard.stop_now("asked to end")
     inbox.put(_Parent.GONE)

@@ -174,6 +174,19 @@ def test_guard_that_wakes_up_late_stops_instead_of_going_on(bench) -> None:
     assert bench.status.phase is Phase.HELD
 
 
+@pytest.mark.hazard("H17")
+def test_guard_that_is_asked_to_end_again_and_again_ends(bench) -> None:
+    bench.move(step_mm=60.0)
+    guard = bench.client.process_id
+    for _ in range(1000):  # each thread of a service that is killed asks once
+        if not is_alive(guard):
+            break
+        os.kill(guard, signal.SIGTERM)
+        time.sleep(0.0007)
+    bench.until(lambda: not is_alive(guard), 5.0)
+    bench.stays_at_rest()
+
+
 def test_guard_asked_to_end_stops_the_arm_first(bench) -> None:
     bench.move(step_mm=60.0)
     at_s = time.monotonic()
