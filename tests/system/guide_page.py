@@ -31,8 +31,13 @@ def run(given: dict[str, Any], surgeon: Coaxial) -> None:
 
 
 def _run(names: dict[str, Any]) -> None:
-    for number, example in enumerate(re.findall(r"```python\n(.*?)```", _PAGE.read_text(), re.DOTALL)):
-        exec(compile(example, f"example {number} of {_PAGE.name}", "exec"), names)
+    try:
+        for number, example in enumerate(re.findall(r"```python\n(.*?)```", _PAGE.read_text(), re.DOTALL)):
+            exec(compile(example, f"example {number} of {_PAGE.name}", "exec"), names)
+    finally:
+        for opened in ("surgeon", "room"):  # where the examples did not come to their end
+            if opened in names:
+                names[opened].close()
 
 
 def _left_a_lost_link(surgeon: Coaxial, error: Exception) -> bool:
