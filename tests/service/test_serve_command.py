@@ -104,7 +104,7 @@ def test_no_image_that_was_answered_with_success_is_lost_by_a_kill(folder, store
         with _sign_in(url) as client:
             port = client.get("/status").json()["dicom_port"]
         threading.Timer(1.5, process.kill).start()
-        command = [storescu, "127.0.0.1", str(port), str(file)]
+        command = [storescu, "--invent-instance", "127.0.0.1", str(port), str(file)]
         while subprocess.run(command, capture_output=True, timeout=60).returncode == 0:
             answered += 1
     assert answered > 0

@@ -185,7 +185,8 @@ def test_an_old_copy_is_seen_by_the_anchor(record, kept_record):
 
 def _rehash(connection, first, change):
     """Change an entry and write every later one anew, so that the chain holds."""
-    rows = connection.execute("SELECT sequence, entry FROM ledger WHERE sequence >= ?", [first]).fetchall()
+    later = "SELECT sequence, entry FROM ledger WHERE sequence >= ? ORDER BY sequence"
+    rows = connection.execute(later, [first]).fetchall()
     previous = json.loads(rows[0][1])["previous"]
     for sequence, text in rows:
         entry = json.loads(text) | {"previous": previous}
