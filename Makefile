@@ -54,6 +54,9 @@ fault-matrix: $(VENV)/.test  ## every fault in every state of a motion, over the
 test-tablet: $(VENV)/.test  ## the tablet in Debian's Chromium, by touch alone, with what make test leaves out
 	$(BIN)/python -m pytest -m tablet
 
+test-kills: $(VENV)/.test  ## SIGKILL of the service in every state of a case
+	$(BIN)/python -m pytest tests/system/test_service_killed.py -v
+
 pictures: $(VENV)/.test  ## the same, and the documentation's pictures of the tablet taken anew
 	COAXIAL_TEST_PICTURES=docs/pictures $(BIN)/python -m pytest -m tablet
 

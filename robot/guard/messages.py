@@ -114,7 +114,7 @@ class BeginMove:
 
 @dataclass(frozen=True, slots=True)
 class Heartbeat:
-    """The surgeon's hold, every 50 ms: number rises within a permit, challenge is the newest that was seen.
+    """The surgeon's hold, for each challenge: number rises within a permit, challenge is the newest that was seen.
 
     ValueError unless the permit's id is 1 to 64 letters, digits, underscores or hyphens: it names a file.
     """

@@ -32,7 +32,7 @@ _LARGEST_MESSAGE = 512
 
 
 class HeartbeatMessage(BaseModel):
-    """What the tablet sends every 50 ms."""
+    """What the tablet sends for each challenge."""
 
     model_config = ConfigDict(extra="forbid")
     number: int = Field(ge=0, le=2**53)

@@ -7,19 +7,11 @@ import pytest
 
 from tests.system.walk import lifting
 
-_STATES = [
-    "case_open",
-    "carm_positioned",
-    "image_acquired",
-    "registered",
-    "target_chosen",
-    "moved",
-    "off_target",
-    "verified",
-    "inserting",
-    "sleeve_inserted",
-    "safe_hold",
-]
+# What leads to a state is the same way again and again: make test kills where the record differs, make test-kills
+# everywhere.
+_TOLD_APART = ("carm_positioned", "registered", "moved", "verified", "inserting", "safe_hold")
+_BETWEEN = ("case_open", "image_acquired", "target_chosen", "off_target", "sleeve_inserted")
+_STATES = [*_TOLD_APART, *(pytest.param(state, marks=pytest.mark.lengthy) for state in _BETWEEN)]
 
 
 def _killed_and_started(service, controller, case):

@@ -26,11 +26,15 @@ PEDICLE = "L3-left"
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """A held button keeps its 50 ms; a procedure with a browser takes longer than make test has."""
+    """A whole procedure, which takes longer than make test has, holds a button; screens alone keep no time.
+
+    Beside what does they must not run: a browser draws with the processor.
+    """
     for item in items:
         if item.path.is_relative_to(Path(__file__).parent):
-            item.add_marker(pytest.mark.real_time)
             item.add_marker(pytest.mark.tablet)
+            if item.get_closest_marker("lengthy"):
+                item.add_marker(pytest.mark.real_time)
 
 
 @contextmanager
@@ -46,9 +50,9 @@ def _precedence() -> Iterator[None]:
         os.setpriority(os.PRIO_PROCESS, 0, before)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """Debian's Chromium."""
+    """Debian's Chromium; while it is open, this thread has an event loop, and no other test may run its own."""
     with ExitStack() as open_now:
         with _precedence():
             playwright = open_now.enter_context(sync_playwright())
