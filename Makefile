@@ -70,6 +70,9 @@ bench: $(VENV)/.runtime  ## time register against OpenCV on the images of SAMPLE
 bench-service: $(VENV)/.runtime  ## from an image to its registration on a tablet, all cores busy: COUNT=100 images; results kept in FOLDER
 	$(BIN)/python benchmarks/service_latency.py --count $(or $(COUNT),100) --folder $(or $(FOLDER),$(VENV)/service-latency)
 
+bench-load: $(VENV)/.runtime  ## what a command takes while fifty screens follow the case and images are registered; SECONDS=60
+	$(BIN)/python benchmarks/load.py --seconds $(or $(SECONDS),60)
+
 bench-senders: $(VENV)/.runtime  ## how long a permit's commit waits while four C-arms send COUNT=100 images each (needs dcmtk); SEED=0
 	$(BIN)/python benchmarks/four_senders.py --count $(or $(COUNT),100) --seed $(or $(SEED),0)
 
