@@ -55,13 +55,14 @@ def trials(folder: Path, numbers: Sequence[int], faults: Sequence[str]) -> Itera
 def _tried(folder: Path, fault: str, nth: int) -> Trial:
     """What came of one run, and what the next one finds."""
     lasting = fault.endswith(_FOREVER)
-    ran = with_fault(folder, fault.removesuffix(_FOREVER), f"{nth}+" if lasting else f"{nth}")
+    ran, came = with_fault(folder, fault.removesuffix(_FOREVER), f"{nth}+" if lasting else f"{nth}")
     lines = [line.split() for line in ran.stdout.splitlines()]
     acknowledged = max((int(number) for word, number in lines if word == "entry"), default=0)
     entries, corrupt = look(folder)
     told = _told(fault, [word for word, _ in lines], ran.returncode, ran.stderr)
     goes_on = "" if corrupt else _goes_on(folder)
-    said = "; ".join(text for text in (corrupt, told, goes_on) if text)
+    missed = "" if came else "the fault did not come: nothing was tried"
+    said = "; ".join(text for text in (missed, corrupt, told, goes_on) if text)
     return {"bad": bool(said) or entries < acknowledged, "acknowledged": acknowledged, "entries": entries, "said": said}
 
 

@@ -62,13 +62,18 @@ def untroubled(folder: Path) -> None:
     _run([*_VICTIM, str(folder)], check=True)
 
 
-def with_fault(folder: Path, fault: str, nth: str) -> "subprocess.CompletedProcess[str]":
-    """The whole case, its nth writing call on the database's files being met by a fault (`error=EIO`...)."""
+def with_fault(folder: Path, fault: str, nth: str) -> "tuple[subprocess.CompletedProcess[str], bool]":
+    """The whole case, its nth writing call on the database's files being met by a fault (`error=EIO`...).
+
+    Also whether the fault came: a call that is never made proves nothing.
+    """
     files = [str(folder / f"coaxial.sqlite{end}") for end in ("", "-wal", "-shm")]
     of_them = [part for file in files for part in ("-P", file)]
     names = ",".join(name for name in WRITING if name != "write")
     inject = ["-e", f"trace={names}", "-e", f"inject={names}:{fault}:when={nth}"]
-    return _run([strace(), "-f", *of_them, *inject, "-o", os.devnull, *_VICTIM, str(folder)], check=False)
+    trace = folder.parent / f"{folder.name}.faults"
+    ran = _run([strace(), "-f", *of_them, *inject, "-o", str(trace), *_VICTIM, str(folder)], check=False)
+    return ran, any(mark in trace.read_text() for mark in ("(INJECTED)", "killed by SIGKILL"))
 
 
 def _run(command: Sequence[str], *, check: bool) -> "subprocess.CompletedProcess[str]":

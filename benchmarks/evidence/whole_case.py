@@ -11,6 +11,7 @@ known to lose what they acknowledge.
 import os
 import pickle
 import sys
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
@@ -99,7 +100,7 @@ def _say(word: str, what: object) -> None:
     os.write(1, f"{word} {what}\n".encode())
 
 
-def _pragmas(replaced: dict[str, str]) -> object:
+def _pragmas(replaced: dict[str, str]) -> "AbstractContextManager[object]":
     """The product asserts its PRAGMAs on every connection: others take their place."""
 
     def assert_pragma(dbapi: object, name: str, value: str, _expected: object) -> None:
@@ -110,10 +111,9 @@ def _pragmas(replaced: dict[str, str]) -> object:
 
 if __name__ == "__main__":
     others = dict(argument.split("=") for argument in sys.argv[2:])
-    if others:
-        _pragmas(others).start()  # type: ignore[attr-defined]  # a patch
     try:
-        record_whole_case(Path(sys.argv[1]))
+        with _pragmas(others) if others else nullcontext():
+            record_whole_case(Path(sys.argv[1]))
     except ServiceError as error:
         _say("refused", error.code)
         sys.exit(1)
