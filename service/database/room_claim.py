@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+import psycopg
 import sqlalchemy as sa
 
 from service.audit import record_audit
@@ -18,6 +19,9 @@ from service.database import tables
 from service.database.clock import now_utc
 from service.database.engines import Database
 from service.errors import ErrorCode, ServiceError
+
+HOLDER_GONE_MS = 1000
+"""A server frees the lock of a holder that has ended once it has seen its connection close: a moment later."""
 
 
 @contextmanager
@@ -52,11 +56,21 @@ def _file_lock(database: Database, room: str) -> Iterator[bool]:
 @contextmanager
 def _server_lock(database: Database, room: str) -> Iterator[bool]:
     with database.writer.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
-        query = sa.text("SELECT pg_try_advisory_lock(1, :room)")
         try:
-            yield bool(connection.execute(query, {"room": zlib.crc32(room.encode()) - 2**31}).scalar())
+            yield _taken(connection, {"room": zlib.crc32(room.encode()) - 2**31})
         finally:
             connection.invalidate()  # a pooled connection would keep the lock
+
+
+def _taken(connection: sa.Connection, room: dict[str, int]) -> bool:
+    connection.execute(sa.text(f"SET lock_timeout = '{HOLDER_GONE_MS}ms'"))
+    try:
+        connection.execute(sa.text("SELECT pg_advisory_lock(1, :room)"), room)
+    except sa.exc.OperationalError as refused:
+        if isinstance(refused.orig, psycopg.errors.LockNotAvailable):
+            return False
+        raise
+    return True
 
 
 def _holder(database: Database, room: str) -> str:

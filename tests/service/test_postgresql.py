@@ -1,12 +1,13 @@
 """What only PostgreSQL is asked: many rooms on one server."""
 
 from contextlib import ExitStack
+from threading import Timer
 
 import pytest
 
 from coaxial_client import Coaxial, Refused
 from service.database.engines import open_database
-from service.database.room_claim import room_claim
+from service.database.room_claim import HOLDER_GONE_MS, room_claim
 from service.errors import ErrorCode, ServiceError
 from service.ledger.verifying import verify
 from service.settings import DicomSettings, HttpSettings, Settings
@@ -34,6 +35,17 @@ def test_two_rooms_share_a_database_and_one_room_is_not_shared(opened):
     assert refusal.value.code == ErrorCode.ROOM_CLAIMED
     with room_claim(other, "room-1"):
         pass
+
+
+def test_a_holder_whose_connection_closes_a_moment_later_is_waited_for(opened):
+    one, other = opened(), opened()
+    with ExitStack() as held:
+        held.enter_context(room_claim(one, "room-1"))
+        ending = Timer(HOLDER_GONE_MS / 1000 / 4, held.close)
+        ending.start()
+        with room_claim(other, "room-1"):
+            pass
+        ending.join()
 
 
 @pytest.fixture
