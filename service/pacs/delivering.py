@@ -1,8 +1,8 @@
 """What sends while the service runs: cases that are over are made ready, then tried again until acknowledged."""
 
 import asyncio
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager, suppress
 
 import structlog
 from fastapi import FastAPI
@@ -37,22 +37,31 @@ async def delivering(_: FastAPI, parts: Parts) -> AsyncIterator[None]:
 
 async def _deliver(parts: Parts) -> None:
     while True:
-        try:
-            await _prepare(parts)
+        with _told():
+            for case_id in await asyncio.to_thread(_to_prepare, parts):
+                with _told(case_id=case_id):
+                    await _prepare(parts, case_id)
+        with _told():
             await asyncio.to_thread(send_waiting, parts)
-        except ServiceError as error:
-            _log.warning("archive_not_reached", code=error.code, reason=error.message)
-        except Exception:  # noqa: BLE001  a defect met with one case must not end the delivery of every later one
-            _log.exception("delivery_failed")
         await asyncio.sleep(_AGAIN_S)
 
 
-async def _prepare(parts: Parts) -> None:
-    for case_id in await asyncio.to_thread(_to_prepare, parts):
-        objects = await objects_for(parts, case_id)
-        if objects:
-            await asyncio.to_thread(_queue, parts, case_id, objects)
-            _log.info("objects_queued", case_id=case_id, count=len(objects))
+@contextmanager
+def _told(**about: str) -> Iterator[None]:
+    """Log what went wrong, and go on: neither a defect met with one case nor a peer that is down ends the rest."""
+    try:
+        yield
+    except ServiceError as error:
+        _log.warning("delivery_waits", code=error.code, reason=error.message, **about)
+    except Exception:  # noqa: BLE001  the next case has nothing to do with what this one met
+        _log.exception("delivery_failed", **about)
+
+
+async def _prepare(parts: Parts, case_id: str) -> None:
+    objects = await objects_for(parts, case_id)
+    if objects:
+        await asyncio.to_thread(_queue, parts, case_id, objects)
+        _log.info("objects_queued", case_id=case_id, count=len(objects))
 
 
 def send_waiting(parts: Parts) -> None:

@@ -13,6 +13,8 @@ from pydicom import dcmread
 from service.archive.contents import IMPORTED
 from service.audit import record_audit
 from service.auth.permissions import Role
+from service.cases import store
+from service.cases.records import NewCase, NewEvent
 from service.cases.verifications import verifications_of
 from service.database.engines import open_database
 from service.ledger.draft import describe
@@ -49,11 +51,20 @@ def archive(tmp_path, program_at_work):
 
 @pytest.fixture
 def left_behind(tmp_path, databases, users_of, add_case_that_is_over):
-    """The address of the record of a case that is over."""
+    """The address of the record of a case that is over, and of an older one of which nothing can be made."""
     with databases.migrated(tmp_path) as address:
         with closing(open_database(address)) as database:
-            add_case_that_is_over(database, users_of(database))
+            surgeon = users_of(database)
+            _add_case_without_devices(database, surgeon)
+            add_case_that_is_over(database, surgeon)
         yield address
+
+
+def _add_case_without_devices(database, user_id: str) -> None:
+    case = NewCase("case-0", "room-1", "P0", "1.2.4", user_id, "0" * 64, {}, {})
+    with database.write() as connection:
+        store.open_case(connection, case, NewEvent("case_opened", user_id, "case_open", {}, {}))
+        store.append(connection, "case-0", NewEvent("case_closed", user_id, "closed", {}, {}), expected_version=None)
 
 
 def _settings(folder, address: str, port: int) -> Settings:
