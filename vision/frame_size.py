@@ -1,4 +1,4 @@
-"""The size that a compressed frame says it has: a decoder that believes the header instead makes up pixels (H31)."""
+"""The size that a frame's own bytes have: a decoder that believes the header instead makes up pixels (H31)."""
 
 import struct
 
@@ -10,15 +10,49 @@ _JPEG, _JPEG_2000 = b"\xff\xd8", b"\xff\x4f\xff\x51"  # how a stream begins
 # Frame headers of ISO 10918-1 (tables, extensions and conditioning lie between them) and of JPEG-LS, ISO 14495-1.
 _FRAME_HEADERS = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC} | {0xF7}
 _FILL = 0xFF
+_RLE_HEADER = struct.Struct("<16I")  # PS3.5 G.5: how many segments, and where each begins
+_RLE_NOTHING = 0x80  # PS3.5 G.3.2: a byte that stands for no pixels; above it the next one is repeated
+_PADDING = 1  # bytes: what is kept has an even length
 
 
 def disagrees(dataset: Dataset, index: int, frames: int) -> bool:
-    """Whether a compressed frame is not of the header's size, or does not say its own; RLE has none to say."""
+    """Whether a frame is not of the size that the header says, or a compressed one does not say its own."""
     syntax = dataset.file_meta.TransferSyntaxUID
-    if not syntax.is_encapsulated or syntax == RLELossless:
-        return False
+    rows, columns = int(dataset.Rows), int(dataset.Columns)
+    sample_bytes = int(dataset.BitsAllocated) // 8
+    if not syntax.is_encapsulated:
+        return not _fits(len(dataset.PixelData), rows * columns * frames * sample_bytes)
     frame = get_frame(dataset.PixelData, index, number_of_frames=frames)
-    return told_size(frame) != (int(dataset.Rows), int(dataset.Columns))
+    if syntax == RLELossless:
+        lengths = _rle_lengths(frame)
+        return len(lengths) != sample_bytes or not all(_fits(length, rows * columns) for length in lengths)
+    return told_size(frame) != (rows, columns)
+
+
+def _fits(length: int, expected: int) -> bool:
+    return expected <= length <= expected + _PADDING
+
+
+def _rle_lengths(frame: bytes) -> list[int]:
+    """Bytes that each segment of a frame becomes, PS3.5 Annex G."""
+    count, *starts = _RLE_HEADER.unpack_from(frame)
+    ends = [*starts[1:count], len(frame)]
+    return [_unpacked_length(frame[start:end]) for start, end in zip(starts[:count], ends, strict=True)]
+
+
+def _unpacked_length(segment: bytes) -> int:
+    length = at = 0
+    while at + 1 < len(segment):  # a last byte alone is padding
+        count = segment[at]
+        if count < _RLE_NOTHING:
+            length += min(count + 1, len(segment) - at - 1)
+            at += count + 2
+        elif count == _RLE_NOTHING:
+            at += 1
+        else:
+            length += 257 - count
+            at += 2
+    return length
 
 
 def told_size(frame: bytes) -> tuple[int, int] | None:

@@ -164,7 +164,7 @@ def _dicom_pixels(dataset: Any, frame: int | None) -> _Stored | Refusal:
     if (frame is None and frames > 1) or not 1 <= chosen <= frames:
         return Refusal(RefusalCode.UNSUPPORTED_IMAGE, f"choose one of {frames} frames with --frame", frame, frames)
     if disagrees(dataset, chosen - 1, frames):
-        return Refusal(RefusalCode.UNREADABLE_IMAGE, "the compressed pixels are not of the size that the header says")
+        return Refusal(RefusalCode.UNREADABLE_IMAGE, "the pixels are not of the size that the header says")
     add_decoder()
     values = pixel_array(dataset, index=chosen - 1)
     bits = int(dataset.BitsStored)
