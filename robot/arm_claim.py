@@ -11,6 +11,7 @@ from robot.rtde_frames import INPUTS, RTDE_PORT, ask, negotiate
 _REGISTER = b"input_int_register_47"
 _ANSWER_S = 1.0  # for all answers together: they come within a cycle or two
 _IN_USE = b"IN_USE"
+_READ_BYTES, _MOST_READS = 4096, 64  # of text messages since the last look; who sends more is no controller
 
 
 class ArmClaim:
@@ -56,8 +57,9 @@ class ArmClaim:
         if self._socket is None:
             return False
         try:
-            while self._socket.recv(4096):
-                pass
+            for _ in range(_MOST_READS):
+                if not self._socket.recv(_READ_BYTES):
+                    break
         except BlockingIOError:
             return True
         except OSError:

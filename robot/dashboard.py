@@ -6,6 +6,8 @@ from threading import Lock
 DASHBOARD_PORT = 29999
 _CONNECT_S = 0.5  # on a wired network of one room a controller answers in a millisecond
 _STOPPED = b"Stopped"
+_MOST_ANSWER = 4096  # bytes of the banner and an answer, which take a hundred
+_MOST_READS = 64  # of what was answered since: a stop a second for a minute
 
 
 class DashboardLink:
@@ -33,8 +35,9 @@ class DashboardLink:
         if self._socket is None:
             return False
         try:
-            while self._socket.recv(4096):
-                pass
+            for _ in range(_MOST_READS):  # who talks without end keeps no stop waiting
+                if not self._socket.recv(_MOST_ANSWER):
+                    break
         except BlockingIOError:
             return True
         except OSError:
@@ -85,6 +88,6 @@ def stop_by_dashboard(address: str, timeout_s: float = 1.0) -> bool:
 
 def _answers(connection: socket.socket) -> bool:
     answer = b""
-    while _STOPPED not in answer and (part := connection.recv(4096)):
+    while _STOPPED not in answer and len(answer) < _MOST_ANSWER and (part := connection.recv(_MOST_ANSWER)):
         answer += part
     return _STOPPED in answer

@@ -26,16 +26,24 @@ def await_packet(connection: socket.socket, kind: int, end_s: float) -> bytes:
     """Payload of the next packet of a kind; the controller's text messages may come between."""
     while True:
         size, found = _HEADER.unpack(_exactly(connection, _HEADER.size, end_s))
+        if size < _HEADER.size:
+            raise ConnectionError("a packet shorter than its own header")
         payload = _exactly(connection, size - _HEADER.size, end_s)
         if found == kind and payload:
             return payload
 
 
 def _exactly(connection: socket.socket, count: int, end_s: float) -> bytes:
-    """So many bytes; OSError if they do not come in time or the connection ends."""
+    """So many bytes; OSError if they do not come in time or the connection ends.
+
+    A controller that goes on and on about something else is out of time as well as one that is silent.
+    """
     received = b""
     while len(received) < count:
-        connection.settimeout(max(end_s - time.monotonic(), 1e-3))
+        left_s = end_s - time.monotonic()
+        if left_s <= 0.0:
+            raise TimeoutError("no answer in time")
+        connection.settimeout(left_s)
         part = connection.recv(count - len(received))
         if not part:
             raise ConnectionError("closed within an answer")

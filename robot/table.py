@@ -12,12 +12,16 @@ from robot.frames import Array
 Table = Mapping[str, Any]
 Range = tuple[float, float]
 
+_MOST_BYTES = 64 * 1024  # of a file: a room of a hundred shapes takes a quarter of it
+
 
 def parse_table(data: bytes, what: str) -> Table:
     """A whole file; ValueError in one line that says what it is not."""
+    if len(data) > _MOST_BYTES:
+        raise ValueError(f"the {what} is larger than {_MOST_BYTES} bytes")
     try:
         return tomllib.loads(data.decode("utf-8"))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (ValueError, RecursionError) as error:  # ValueError: no UTF-8, no TOML, a number of thousands of digits
         raise ValueError(f"the {what} is not a TOML file: {error}") from None
 
 
@@ -44,10 +48,12 @@ def refuse_unknown(table: Table, where: str, known: set[str]) -> None:
 
 
 def text(table: Table, key: str) -> str:
-    """A text that is not empty."""
+    """A text that is not empty, of characters that can be shown."""
     value = table.get(key)
     if not isinstance(value, str) or not value.strip():
         raise ValueError(f"{key} is missing")
+    if not value.isprintable():
+        raise ValueError(f"{key} holds characters that cannot be shown")
     return value
 
 
@@ -64,7 +70,7 @@ def number(table: Table, key: str, allowed: Range, default: float | None = None)
     value = table.get(key, default)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{key} is missing or not a number")
-    return _plausible(key, float(value), allowed)
+    return float(_plausible(key, value, allowed))
 
 
 def vector(table: Table, key: str, allowed: Range) -> Array:
@@ -73,13 +79,15 @@ def vector(table: Table, key: str, allowed: Range) -> Array:
     numbers = isinstance(value, list) and all(type(item) in (int, float) for item in value)
     if not numbers or len(value or ()) != 3:
         raise ValueError(f"{key} is missing or not three numbers")
-    found = np.array(value, dtype=np.float64)
-    _plausible(f"the length of {key}", float(np.linalg.norm(found)), allowed)
+    lowest, highest = allowed
+    found = np.array([_plausible(f"each number of {key}", item, (-highest, highest)) for item in value or ()])
+    _plausible(f"the length of {key}", float(np.linalg.norm(found)), (lowest, highest))
     return found
 
 
 def _plausible(name: str, value: float, allowed: Range) -> float:
+    """The value, unless it is not between the two; a whole number may be too large to become a float."""
     lowest, highest = allowed
     if not lowest <= value <= highest:
-        raise ValueError(f"{name} is {value:g}, not between {lowest:g} and {highest:g}")
+        raise ValueError(f"{name} is {value}, not between {lowest:g} and {highest:g}")
     return value

@@ -34,7 +34,7 @@ class Table:
             raise ValueError(f"{where} is larger than {_MAX_TOML_BYTES} bytes")
         try:
             return cls(tomllib.loads(data.decode("utf-8")), where)
-        except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+        except (ValueError, RecursionError) as error:  # ValueError: no UTF-8, no TOML, a number of thousands of digits
             raise ValueError(f"{where} is no TOML: {str(error).splitlines()[0]}") from error
 
     def __contains__(self, key: str) -> bool:
@@ -52,10 +52,10 @@ class Table:
         return type(self).of(self.get(key), f"{self.where}: {key}")
 
     def text(self, key: str) -> str:
-        """A text that is neither blank nor too long."""
+        """A text that is neither blank nor too long, of characters that can be shown."""
         value = self.get(key)
-        if not isinstance(value, str) or not value.strip() or len(value) > _MAX_TEXT_LENGTH:
-            raise ValueError(f"{self.where}: {key} must be a text of 1 to {_MAX_TEXT_LENGTH} characters")
+        if not isinstance(value, str) or not value.strip() or len(value) > _MAX_TEXT_LENGTH or not value.isprintable():
+            raise ValueError(f"{self.where}: {key} must be a text of 1 to {_MAX_TEXT_LENGTH} printable characters")
         return value
 
     def integer(self, key: str, low: int, high: int) -> int:

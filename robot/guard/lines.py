@@ -77,7 +77,7 @@ def _decode(line: bytes, kinds: Mapping[str, type[_Message]]) -> _Message:
     try:
         content = json.loads(line, parse_constant=_refuse_constant)
         return _build(kinds[content.pop("type")], content)
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise MessageError(f"not a message of the guard: {error!r}") from None
 
 

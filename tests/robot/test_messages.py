@@ -92,6 +92,7 @@ def test_noise_is_no_message(line: bytes) -> None:
         b'{"type":"heartbeat","permit_id":"p","number":1.5,"challenge":"c","held":true}',
         b'{"type":"heartbeat","permit_id":"p","number":1,"challenge":"c","held":1}',
         b'{"type":"heartbeat","permit_id":"../p","number":1,"challenge":"c","held":true}',
+        b"[" * 100_000,
     ],
 )
 def test_message_of_the_wrong_shape_is_refused(line: bytes) -> None:
@@ -103,6 +104,12 @@ def test_message_of_the_wrong_shape_is_refused(line: bytes) -> None:
 def test_motion_with_a_number_that_is_none_is_refused(move: BeginMove, field: str) -> None:
     content = json.loads(encode(move))
     content[field] = json.loads("NaN") if isinstance(content[field], float) else _with_nan(content[field])
+    with pytest.raises(MessageError):
+        decode_command(json.dumps(content).encode())
+
+
+def test_motion_with_a_number_that_no_float_holds_is_refused(move: BeginMove) -> None:
+    content = json.loads(encode(move)) | {"speed_mm_s": 10**400}
     with pytest.raises(MessageError):
         decode_command(json.dumps(content).encode())
 

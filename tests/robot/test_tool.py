@@ -84,7 +84,22 @@ def test_missing_or_implausible_value_is_named_in_one_line(before: str, after: s
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("data", [b"\xff\xfe", b"", b"name = "])
+@pytest.mark.hazard("H31")
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"\xff\xfe",
+        b"",
+        b"name = ",
+        b"name = " + b"[" * 20_000,
+        b"name = 1" + b"0" * 5000,
+        b"#" * 70_000,
+        FILE.replace("mass_kg = 0.8", "mass_kg = 1" + "0" * 400).encode(),
+        FILE.replace("[20.0, -5.0, 150.0]", f"[20, -5, 1{'0' * 400}]").encode(),
+        FILE.replace('name = "guide"', r'name = "gui\u0000de"').encode(),
+    ],
+    ids=["bytes", "empty", "half", "nested", "digits", "long", "huge", "huge in a vector", "unprintable"],
+)
 def test_what_is_no_such_file_is_refused(data: bytes) -> None:
     with pytest.raises(ValueError):
         read_tool(data)

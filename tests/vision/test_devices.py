@@ -131,6 +131,7 @@ def test_guide_without_a_bead_is_legal_but_one_in_the_plane_of_symmetry_is_not(g
         (b"version = 1", b"version = true"),
         (b'name = "reference-guide"', b'name = "  "'),
         (b'name = "reference-guide"', b"name = 7"),
+        (b'name = "reference-guide"', rb'name = "gui\u0000de"'),  # PostgreSQL keeps no such text
         (b"version = 1", b"version = 1\nexpires = 2027-01-01T00:00:00"),
         (b"version = 1", b'version = 1\nexpires = "2027-01-01"'),
         (b"[wire]", b"wire = 3\n[bore]"),
