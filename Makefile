@@ -29,7 +29,7 @@ check: $(VENV)/.test  ## formatting, lint, types, import contracts
 	$(BIN)/lint-imports
 
 # What every database must do alike: records that refuse changes, the ledger, contested writes. The rest on demand.
-ON_POSTGRESQL := $(addprefix tests/service/,ledger test_engines.py test_event_store.py test_migrations.py)
+ON_POSTGRESQL := $(addprefix tests/service/,ledger test_contested_permits.py test_engines.py test_event_store.py test_migrations.py)
 
 # What keeps real time (the arm's 125 Hz, a heartbeat's 200 ms) mostly waits: two files at a time disturb one another
 # little, calculations beside them would.
@@ -44,7 +44,7 @@ bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; CO
 	$(BIN)/python -m benchmarks.stop --count $(or $(COUNT),2000) $(if $(KINDS),--kinds $(KINDS)) \
 	  $(if $(MINUTES),--minutes $(MINUTES)) --folder $(or $(FOLDER),$(VENV)/stop)
 
-evidence: $(VENV)/.test  ## kills, power cuts, full disks and flipped bits against a whole case, and docs/evidence.md; goes on where it ended; SHARE=1 of ITEMS; results kept in FOLDER
+evidence: $(VENV)/.test  ## kills, power cuts, full disks, flipped bits, contested permits, and docs/evidence.md; goes on where it ended; SHARE=1 of ITEMS; results kept in FOLDER
 	$(BIN)/python -m benchmarks.evidence --folder $(or $(FOLDER),$(VENV)/evidence) --share $(or $(SHARE),1) \
 	  $(if $(ITEMS),--items $(ITEMS)) --page docs/evidence.md
 

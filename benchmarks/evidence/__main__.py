@@ -8,11 +8,14 @@ item. Exit status 1 where a trial is bad.
 
 import argparse
 import json
+import logging
 import math
 import sys
 import time
 from dataclasses import asdict
 from pathlib import Path
+
+import structlog
 
 from benchmarks.evidence.item import Item, Summary, summary
 from benchmarks.evidence.items import ITEMS
@@ -48,6 +51,8 @@ def main() -> None:
     parser.add_argument("--share", type=float, default=1.0, help="of each item's trials (default 1: all)")
     parser.add_argument("--page", type=Path, help="where the page is written, beside being printed")
     options = parser.parse_args()
+    structlog.configure(wrapper_class=structlog.make_filtering_bound_logger(logging.CRITICAL))
+    logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)  # a refused hold is one to it
     options.folder.mkdir(parents=True, exist_ok=True)
     chosen = [item for item in ITEMS if options.items is None or item.name in options.items]
     rows = [(item, run(item, options.folder, options.share)) for item in chosen]

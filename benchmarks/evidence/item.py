@@ -8,6 +8,7 @@ from typing import Any
 from scipy.stats import binomtest
 
 Trial = dict[str, Any]  # `number`, `bad`, and what it was about
+Trials = Callable[[Path, Sequence[int]], Iterator[Trial]]
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class Item:
     what: str
     asked: str
     count: Callable[[Path], int]  # trials for the whole proof; may depend on what is prepared in the folder
-    trials: Callable[[Path, Sequence[int]], Iterator[Trial]]
+    trials: Trials
     at_once: int  # numbers given at a time
 
 

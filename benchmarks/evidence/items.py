@@ -9,9 +9,10 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.evidence import failing_calls, tampering
 from benchmarks.evidence.failing_calls import FAILING, KILLED, prepared_in
-from benchmarks.evidence.item import Item, Trial
+from benchmarks.evidence.item import Item, Trial, Trials
 from benchmarks.evidence.power_loss import cuts
 from benchmarks.evidence.system_calls import recorded
+from benchmarks.states import races
 
 # Modes that SQLite documents as losing commits, or all of the database, to a power cut; the product asserts WAL and
 # FULL. A rollback journal is known to lose the last commit at FULL, for its removal is not synced (EXTRA is for that).
@@ -28,10 +29,6 @@ _CUTS_OF_A_MODE = 300
 
 def _always(count: int) -> Callable[[Path], int]:
     return lambda _folder: count
-
-
-def _of_the_calls(faults: Sequence[str]) -> Callable[[Path], int]:
-    return lambda folder: failing_calls.writing_calls(folder) * len(faults)
 
 
 def _power_cuts(folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
@@ -66,22 +63,34 @@ def _cuts(prepared: Path, seeds: Sequence[int], pragmas: Sequence[str]) -> Itera
             yield asdict(found) | {"lost": found.lost}
 
 
+def _of_a_whole_case(name: str, what: str, asked: str, faults: Sequence[str]) -> Item:
+    """Every call in turn with every fault."""
+
+    def count(folder: Path) -> int:
+        return failing_calls.writing_calls(folder) * len(faults)
+
+    return Item(name, what, asked, count, partial(failing_calls.trials, faults=faults), at_once=20)
+
+
+def _contested(database: str, trials: Trials) -> Item:
+    what = f"one permit held by {races.FEWEST} to {races.MOST} clients at once, {database}"
+    return Item(
+        f"contested_permits_{database.lower()}", what, "exactly one motion", _always(10_000), trials, at_once=200
+    )
+
+
 ITEMS = (
-    Item(
+    _of_a_whole_case(
         "kill_at_every_write",
         "SIGKILL at every write or sync of one whole case",
         "0 acknowledged lost, 0 corrupt",
-        _of_the_calls(KILLED),
-        partial(failing_calls.trials, faults=KILLED),
-        at_once=20,
+        KILLED,
     ),
-    Item(
+    _of_a_whole_case(
         "failing_writes",
         "every write or sync of one whole case fails once, and from then on: disk full, I/O error",
         "typed refusal, reads served, 0 acknowledged lost, goes on when space returns",
-        _of_the_calls(FAILING),
-        partial(failing_calls.trials, faults=FAILING),
-        at_once=20,
+        FAILING,
     ),
     Item(
         "power_loss",
@@ -107,4 +116,6 @@ ITEMS = (
         tampering.flips,
         at_once=500,
     ),
+    _contested("SQLite", races.on_sqlite),
+    _contested("PostgreSQL", races.on_postgresql),
 )

@@ -1,0 +1,1 @@
+"""The running service over its own sockets, in rooms whose arm, clock and image work follow a script."""
