@@ -1,50 +1,69 @@
 """The stream of a case's events, for server-sent events: every event once, in order, from any point on."""
 
 import asyncio
-from collections.abc import AsyncIterator
-from contextlib import suppress
+from collections.abc import AsyncGenerator, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
 
 from service.cases import store
-from service.cases.records import StoredEvent
+from service.cases.channel import Channel, comes
+from service.cases.server_sent import ServerSent, server_sent
 from service.database.engines import Database
 
-# Another process of the fleet may append too, and only this one's commits wake the stream.
-_POLL_S = 1.0
+# Read at a time by one who catches up: what a slow follower keeps in memory at most.
+_CAUGHT_UP = 100
 
 
 class EventFeed:
-    """Streams of events, woken by each commit of this process."""
+    """Streams of events, woken by each commit of this process; each new event is read once for all of them."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        self._sleepers: set[tuple[asyncio.AbstractEventLoop, asyncio.Event]] = set()
+        self._channels: dict[str, Channel] = {}
         database.on_commit.append(self._wake)
 
-    async def follow(self, case_id: str, after: int = 0) -> AsyncIterator[StoredEvent]:
-        """The events behind sequence `after` (Last-Event-ID), then every new one, until the caller stops."""
-        sleeper = (asyncio.get_running_loop(), asyncio.Event())
-        self._sleepers.add(sleeper)
-        try:
+    async def follow(
+        self, case_id: str, after: int = 0, quiet_s: float = 60.0
+    ) -> AsyncGenerator[Sequence[ServerSent], None]:
+        """The events behind sequence `after` (Last-Event-ID), then every new one, until the caller stops.
+
+        An empty sequence says that none came for `quiet_s`. Who takes them slowly holds up nobody else.
+        """
+        with self._joined(case_id) as channel:
             while True:
-                sleeper[1].clear()
-                for event in await asyncio.to_thread(self._after, case_id, after):
-                    yield event
-                    after = event.sequence
-                await self._sleep(sleeper[1])
+                news, events = channel.news, channel.behind(after)
+                if events is None:
+                    events = tuple(await asyncio.to_thread(self._read, case_id, after))
+                if events:
+                    after = events[-1].sequence
+                    yield events
+                elif not await comes(news, quiet_s):
+                    yield ()
+
+    @contextmanager
+    def _joined(self, case_id: str) -> Iterator[Channel]:
+        """The case's channel, which is there as long as anybody follows the case."""
+        channel = self._channels.get(case_id)
+        if channel is None:
+            channel = Channel(partial(self._newest, case_id), partial(self._read, case_id))
+            self._channels[case_id] = channel
+        channel.followers += 1
+        try:
+            yield channel
         finally:
-            self._sleepers.discard(sleeper)
+            channel.followers -= 1
+            if channel.followers == 0:
+                channel.close()
+                del self._channels[case_id]
 
-    async def _sleep(self, event: asyncio.Event) -> None:
-        # not wait_for, which in Python 3.11 takes a cancellation for nothing where the event comes with it
-        with suppress(TimeoutError):
-            async with asyncio.timeout(_POLL_S):
-                await event.wait()
-
-    def _after(self, case_id: str, sequence: int) -> list[StoredEvent]:
+    def _newest(self, case_id: str) -> int:
         with self._database.read() as connection:
-            return store.events_after(connection, case_id, sequence)
+            return store.newest_sequence(connection, case_id)
+
+    def _read(self, case_id: str, sequence: int) -> list[ServerSent]:
+        with self._database.read() as connection:
+            return [server_sent(event) for event in store.events_after(connection, case_id, sequence, _CAUGHT_UP)]
 
     def _wake(self) -> None:
-        for loop, event in tuple(self._sleepers):
-            if not loop.is_closed():
-                loop.call_soon_threadsafe(event.set)
+        for channel in tuple(self._channels.values()):
+            channel.wake()

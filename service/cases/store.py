@@ -105,6 +105,12 @@ def newest_event(connection: Connection, case_id: str) -> StoredEvent:
     return _event(row)
 
 
+def newest_sequence(connection: Connection, case_id: str) -> int:
+    """The number of the last event; 0 where there is none."""
+    query = sa.select(sa.func.max(tables.events.c.sequence)).where(tables.events.c.case_id == case_id)
+    return connection.execute(query).scalar() or 0
+
+
 def events_after(connection: Connection, case_id: str, sequence: int = 0, limit: int = 1000) -> list[StoredEvent]:
     """The events behind `sequence`, oldest first."""
     events = tables.events

@@ -1,22 +1,29 @@
 """The case's events as they happen (server-sent events), from any point on by Last-Event-ID."""
 
 import asyncio
+import time
 from collections.abc import AsyncIterator
-from typing import Annotated, Any
+from contextlib import aclosing
+from typing import Annotated
 
 from fastapi import APIRouter, Depends, Header
 from fastapi.responses import StreamingResponse
+from starlette.requests import Request
 
-from service.auth.dependencies import require
-from service.auth.permissions import Permission
+from service.auth.dependencies import bearer_or_cookie, require
+from service.auth.permissions import Permission, allows
+from service.auth.session import SessionStatus
 from service.cases import store
-from service.cases.records import StoredEvent
+from service.cases.server_sent import KEEP_ALIVE
 from service.conductor.route_errors import READING
-from service.database.json_text import to_text
 from service.parts import Parts, parts_of
 
 router = APIRouter(tags=["status"])
-_READER = [Depends(require(Permission.READ))]
+
+# A stream on which nothing happens says so this often; who hears nothing for longer has lost the service.
+_KEEP_ALIVE_S = 5.0
+# A session that was revoked elsewhere, and a user who was disabled, are noticed within it.
+_CHECK_S = 10.0
 
 
 @router.get(
@@ -26,31 +33,38 @@ _READER = [Depends(require(Permission.READ))]
     response_model=None,
 )
 async def follow_events(
+    request: Request,
     case_id: str,
     parts: Annotated[Parts, Depends(parts_of)],
     last_event_id: Annotated[int, Header(ge=0)] = 0,
 ) -> StreamingResponse:
-    """Every event behind Last-Event-ID, then each new one; `id` is the sequence number, `event` the trigger."""
+    """Every event behind Last-Event-ID, then each new one; `id` is the sequence number, `event` the trigger.
+
+    A comment comes every 5 s while nothing happens. The stream ends with the session.
+    """
     await asyncio.to_thread(_check_known, parts, case_id)
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    return StreamingResponse(_lines(parts, case_id, last_event_id), 200, headers, "text/event-stream")
+    token = bearer_or_cookie(request) or ""
+    return StreamingResponse(_told(parts, case_id, last_event_id, token), 200, headers, "text/event-stream")
 
 
-async def _lines(parts: Parts, case_id: str, after: int) -> AsyncIterator[str]:
-    async for event in parts.feed.follow(case_id, after):
-        yield f"id: {event.sequence}\nevent: {event.trigger}\ndata: {to_text(_body(event))}\n\n"
+async def _told(parts: Parts, case_id: str, after: int, token: str) -> AsyncIterator[bytes]:
+    check_at_s = time.monotonic() + _CHECK_S
+    async with aclosing(parts.feed.follow(case_id, after, _KEEP_ALIVE_S)) as followed:
+        async for events in followed:
+            # a sign-out here is known without the database, and at once
+            if time.monotonic() >= check_at_s or parts.sessions.remembered(token) is None:
+                if not await asyncio.to_thread(_may_read, parts, token):
+                    return
+                check_at_s = time.monotonic() + _CHECK_S
+            yield b"".join(event.text for event in events) or KEEP_ALIVE
 
 
-def _body(event: StoredEvent) -> dict[str, Any]:
-    return {
-        "sequence": event.sequence,
-        "version": event.version,
-        "trigger": event.trigger,
-        "user_id": event.user_id,
-        "state": event.state,
-        "recorded_at": event.recorded_at,
-        "data": event.data,
-    }
+def _may_read(parts: Parts, token: str) -> bool:
+    session = parts.sessions.look(token)
+    if session is None or session.status is SessionStatus.EXPIRED:
+        return False
+    return allows(session.role, Permission.READ)
 
 
 def _check_known(parts: Parts, case_id: str) -> None:

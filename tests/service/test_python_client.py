@@ -137,6 +137,12 @@ def test_the_ledger_is_written_to_a_file_and_a_refused_one_to_none(surgeon, runn
     assert list(tmp_path.iterdir()) == [written]
 
 
+def test_signs_of_life_do_not_lengthen_a_wait(case, monkeypatch) -> None:
+    monkeypatch.setattr("service.conductor.events._KEEP_ALIVE_S", 0.05)
+    with pytest.raises(TimeoutError, match="no event came"):
+        next(case.events(case.status()["sequence"], quiet_s=0.4))
+
+
 def test_a_wait_ends_with_the_event_and_names_the_state_where_none_comes(case) -> None:
     after = case.status()["sequence"]
     with pytest.raises(TimeoutError, match="case is case_open, not verified"):

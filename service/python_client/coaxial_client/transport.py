@@ -1,7 +1,9 @@
 """One service's HTTP interface: requests with a time limit each, every error typed, nothing sent twice."""
 
 import json
+import math
 import ssl
+import time
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,7 +15,11 @@ from coaxial_client.answers import NoAnswer, Refused
 
 Json = dict[str, Any]
 _CONNECT_S = 5.0  # a service of the same hospital answers a connection in milliseconds
+# A stream of events says every 5 s that it is alive.
+_ALIVE_S = 20.0
 _PART = ".part"
+# For plain HTTP: to read the system's authorities for each client takes longer than a command does.
+_TRUSTS_NOBODY = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
 
 
 class Transport:
@@ -23,16 +29,17 @@ class Transport:
         self._url = url.rstrip("/")
         if ca_file is not None and not self._url.startswith("https:"):
             raise ValueError(f"a CA file is for an address that begins with https, not for {url}")
-        self._tls = ssl.create_default_context(cafile=ca_file)
+        self._tls = ssl.create_default_context(cafile=ca_file) if self._url.startswith("https:") else None
         self._timeout_s = timeout_s
         self.token = ""
         # no proxy and no credentials of the environment: what moves an arm goes where it was told to
-        self._http = httpx.Client(base_url=f"{self._url}/api", verify=self._tls, trust_env=False)
+        verify = self._tls or _TRUSTS_NOBODY
+        self._http = httpx.Client(base_url=f"{self._url}/api", verify=verify, trust_env=False)
 
     @property
     def tls(self) -> ssl.SSLContext | None:
         """What a WebSocket is to be opened with; None where the service speaks plain HTTP."""
-        return self._tls if self._url.startswith("https:") else None
+        return self._tls
 
     def websocket_url(self, path: str) -> str:
         """A path below /api as a WebSocket's address."""
@@ -66,17 +73,23 @@ class Transport:
         Raises
         ------
         TimeoutError
-            None came for `quiet_s`.
+            None came for `quiet_s`; told up to 5 s later, when the service says again that it is alive.
         Refused, NoAnswer
-            As for any request.
+            As for any request; also where no sign of life came.
         """
+        quiet_s, heard_s = quiet_s or math.inf, time.monotonic()
         with _typed(f"GET {path}"):
             try:
-                with self._stream(path, {}, {"Last-Event-ID": str(after)}, quiet_s) as response:
+                with self._stream(path, {}, {"Last-Event-ID": str(after)}, min(quiet_s, _ALIVE_S)) as response:
                     for line in response.iter_lines():
                         if line.startswith("data:"):
                             yield json.loads(line.removeprefix("data:"))
+                            heard_s = time.monotonic()
+                        elif time.monotonic() - heard_s >= quiet_s:
+                            raise TimeoutError(f"no event came for {quiet_s} s")
             except httpx.ReadTimeout:
+                if time.monotonic() - heard_s < quiet_s:
+                    raise
                 raise TimeoutError(f"no event came for {quiet_s} s") from None
 
     def download(self, path: str, query: Mapping[str, Any], file: Path, quiet_s: float) -> Path:
@@ -92,7 +105,7 @@ class Transport:
 
     @contextmanager
     def _stream(
-        self, path: str, query: Mapping[str, Any], headers: Mapping[str, str], quiet_s: float | None
+        self, path: str, query: Mapping[str, Any], headers: Mapping[str, str], quiet_s: float
     ) -> Iterator[httpx.Response]:
         own, timeout = self._authorised(headers), httpx.Timeout(quiet_s, connect=_CONNECT_S)
         with self._http.stream("GET", path, params=dict(query), headers=own, timeout=timeout) as response:
