@@ -96,7 +96,7 @@ def test_an_event_is_read_once_for_all_who_follow(database, case, monkeypatch):
         assert await asyncio.gather(*taking) == [[2]] * 20
 
     asyncio.run(follow())
-    assert len(reads) == 2  # after the commit, and behind what it found
+    assert 1 <= len(reads) <= 2  # after the commit, and perhaps already behind what it found
 
 
 def test_a_commit_wakes_the_stream_long_before_it_looks_by_itself(database, case, monkeypatch):
