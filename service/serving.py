@@ -7,6 +7,8 @@ import socket
 import uvicorn
 from fastapi import FastAPI
 
+from robot.guard.pauses import spare_what_is_loaded
+from robot.guard.precedence import Precedence, lift_process
 from service.app import create_app
 from service.settings import Settings
 
@@ -33,6 +35,8 @@ async def _serve(settings: Settings, claim_reason: str | None) -> None:
         # uvicorn raises the signal that ended it once more; the default action would skip the parts' own ending.
         for ending in (signal.SIGINT, signal.SIGTERM):
             signal.signal(ending, lambda *_: None)
+        spare_what_is_loaded()
+        lift_process(Precedence.SERVICE)
         await _Server(server_config(app, settings)).serve()
 
 

@@ -1,6 +1,7 @@
 """The held button of the public client against a guard that only listens: however its context is left, it lets go."""
 
 import json
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -11,6 +12,7 @@ from threading import Thread
 import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
+from websockets.sync.client import ClientConnection
 from websockets.sync.server import Server, ServerConnection, serve
 
 from coaxial_client import Coaxial, Hold, HoldEnded, NoAnswer
@@ -42,6 +44,17 @@ class Guard:
             if number == self.breaks_after:
                 connection.socket.close()
                 return
+
+
+@dataclass
+class Hasty(Guard):
+    """Says that the motion is over, and closes, right behind a challenge."""
+
+    def listen(self, connection: ServerConnection) -> None:
+        connection.send(json.dumps({"type": "progress", "challenge": "first"}))
+        self.beats.put(json.loads(connection.recv()))
+        connection.send(json.dumps({"type": "progress", "challenge": "last"}))
+        connection.send(json.dumps(_ENDED))
 
 
 @contextmanager
@@ -114,6 +127,22 @@ def test_every_heartbeat_has_a_new_number_and_the_newest_challenge(guard) -> Non
 def test_a_connection_that_breaks_is_no_answer_and_ends_the_hold() -> None:
     with _up(Guard(breaks_after=1)) as guard, _hold(guard) as hold, pytest.raises(NoAnswer, match="silence stops"):
         hold.wait(10.0)
+
+
+def test_an_ending_counts_though_the_connection_is_closed_before_it_is_read(monkeypatch) -> None:
+    closed = threading.Event()
+    send = ClientConnection.send
+
+    def send_late(connection: ClientConnection, text: str) -> None:
+        if "last" in text:
+            connection.recv_events_thread.join(10.0)  # all has come, the closing too
+            closed.set()
+        send(connection, text)
+
+    monkeypatch.setattr(ClientConnection, "send", send_late)
+    with _up(Hasty()) as guard, _hold(guard) as hold:
+        assert hold.wait(20.0).cause == "released"
+    assert closed.is_set()
 
 
 def test_an_authority_of_the_hospitals_own_is_trusted_if_it_is_named(certificate) -> None:

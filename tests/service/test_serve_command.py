@@ -17,6 +17,7 @@ import pytest
 from service.auth.permissions import Role
 
 _COAXIAL = [sys.executable, "-c", "from service.cli.main import main; main()"]
+_TELLS_WHAT_IS_SPARED = "import atexit, gc; atexit.register(lambda: print(gc.get_freeze_count()))\n"
 _ADDRESS = "COAXIAL_DATABASE_URL"
 _SECRETS = {"COAXIAL_PASSWORD": "correct horse", "COAXIAL_PIN": "2468"}
 
@@ -35,9 +36,12 @@ def _coaxial(folder: Path, *arguments: str, stdin: str = "", **more: str) -> sub
 
 
 @contextmanager
-def _serving(folder: Path, **more: str) -> Iterator[tuple[subprocess.Popen, str]]:
-    environment = _environment(folder, **more)
-    with subprocess.Popen([*_COAXIAL, "serve"], env=environment, stdout=subprocess.PIPE, text=True) as process:
+def _serving(folder: Path, before: str = "", **more: str) -> Iterator[tuple[subprocess.Popen, str]]:
+    """A service, its address, and in its interpreter some code that runs before it."""
+    environment, [*python, code] = _environment(folder, **more), _COAXIAL
+    with subprocess.Popen(
+        [*python, before + code, "serve"], env=environment, stdout=subprocess.PIPE, text=True
+    ) as process:
         try:
             yield process, process.stdout.readline().removeprefix("Coaxial listens on ").strip()
         finally:
@@ -66,12 +70,15 @@ def folder(tmp_path, database, users, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.hazard("H32")
 def test_the_service_tells_its_address_answers_and_ends_at_a_signal(folder):
-    with _serving(folder) as (process, url):
+    """H32: nothing that it loaded is searched for garbage while it serves, which would hold a stop up."""
+    with _serving(folder, _TELLS_WHAT_IS_SPARED) as (process, url):
         with _sign_in(url) as client:
             assert client.get("/status").json()["room"] == "room-1"
         process.terminate()
         assert process.wait(10) == 0
+        assert int(process.stdout.read()) > 100_000
 
 
 def test_a_second_service_is_refused_with_a_code_and_the_first_goes_on(folder):

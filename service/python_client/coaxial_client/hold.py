@@ -7,7 +7,7 @@ import json
 import ssl
 import threading
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Self
@@ -126,10 +126,8 @@ class Hold:
                 return
             self._number += 1
             beat = {"number": self._number, "challenge": self._challenge, "held": self._held}
-            try:
+            with suppress(ConnectionClosed, OSError):  # the ending may have come, and not have been read yet
                 self._connection.send(json.dumps(beat))
-            except (ConnectionClosed, OSError):
-                self._over.set()
 
     def _listen(self) -> None:
         try:
