@@ -40,9 +40,9 @@ tests: $(VENV)/.test
 	$(BIN)/python -m pytest -n 2 --database postgresql $(ON_POSTGRESQL)
 	$(BIN)/python -m pytest -n 2 --dist loadfile -m "real_time and not matrix and not lengthy"
 
-bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; COUNT=2000 trials of KINDS, or MINUTES; kept in FOLDER
+bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; COUNT=2000 trials of KINDS, or MINUTES, in ROOMS=1 side by side; kept in FOLDER
 	$(BIN)/python -m benchmarks.stop --count $(or $(COUNT),2000) $(if $(KINDS),--kinds $(KINDS)) \
-	  $(if $(MINUTES),--minutes $(MINUTES)) --folder $(or $(FOLDER),$(VENV)/stop)
+	  $(if $(MINUTES),--minutes $(MINUTES)) --rooms $(or $(ROOMS),1) --folder $(or $(FOLDER),$(VENV)/stop)
 
 evidence: $(VENV)/.test  ## kills, power cuts, full disks, flipped bits, contested permits, and docs/evidence.md; goes on where it ended; SHARE=1 of ITEMS; results kept in FOLDER
 	$(BIN)/python -m benchmarks.evidence --folder $(or $(FOLDER),$(VENV)/evidence) --share $(or $(SHARE),1) \

@@ -1,25 +1,28 @@
 """How soon a stop is on the wire while both cores burn and images are registered.
 
-    python -m benchmarks.stop --folder FOLDER [--count N] [--kinds KIND ...] [--minutes M] [--idle]
+    python -m benchmarks.stop --folder FOLDER [--count N] [--kinds KIND ...] [--minutes M] [--rooms R] [--idle]
 
 Kinds: heartbeat (lost link: beyond the 200 ms of silence), release, stop (by HTTP, every role, every state),
 kill_service, kill_guard (to its parent's stop; every other time to the controller's watchdog alone), nuisance (held
-motions of 2 mm behind a network that jitters by 40 ms: how many do not arrive; half as many as of the others). The
+motions of 12 mm behind a network that jitters by 40 ms: how many do not arrive; half as many as of the others). The
 controller is a process of its own whose log, on the monotonic clock of the machine, is the witness. Controller, network
 and the clients run before the load where the system lets them; it pauses while a service starts. Every trial is a line
 of FOLDER/KIND.jsonl, and a run goes on where the last one ended, however it ended; FOLDER/summary.json has the figures
 of all that are there. Exit status 1 where a limit is missed. --minutes: begin no trial after so long. --idle: no load.
+--rooms: so many side by side beside one load, which never pauses, each with its part of the trials in a folder of its
+own; they disturb one another, as a room by itself is not disturbed.
 """
 
 import argparse
 import gc
 import json
 import signal
+import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -82,6 +85,19 @@ def run(kept: Kept, wanted: int, load: Load, end_s: float) -> None:
                 progress.tell()
 
 
+def run_side_by_side(chosen: argparse.Namespace) -> None:
+    """A process for each room, with its part of the trials."""
+    command = [sys.executable, "-m", "benchmarks.stop", "--idle", "--minutes", str(chosen.minutes)]
+    command += ["--count", str(-(-chosen.count // chosen.rooms)), "--kinds", *chosen.kinds]
+    folders = [chosen.folder / f"room-{room + 1}" for room in range(chosen.rooms)]
+    with ExitStack() as running:
+        processes = [running.enter_context(subprocess.Popen([*command, "--folder", str(one)])) for one in folders]
+        for process in processes:
+            running.callback(process.terminate)
+        for process in processes:
+            process.wait()
+
+
 def report(folder: Path) -> list[Verdict]:
     """Print and keep the figures of every kind that has trials; the verdicts on their limits."""
     figures = []
@@ -101,13 +117,16 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=2000)
     parser.add_argument("--kinds", nargs="+", choices=LIMITS, default=list(LIMITS))
     parser.add_argument("--minutes", type=float, default=float("inf"))
+    parser.add_argument("--rooms", type=int, default=1)
     parser.add_argument("--idle", action="store_true")
     chosen = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended"))  # by the ways of every process that was started
     end_s = time.monotonic() + 60.0 * chosen.minutes
     gc.freeze()  # a tablet has no such heap to search, nor have the other clients
     with Load(wanted=not chosen.idle) as load:
-        for kind in chosen.kinds:
+        if chosen.rooms > 1:
+            run_side_by_side(chosen)
+        for kind in chosen.kinds if chosen.rooms == 1 else ():
             run(Kept(chosen.folder, kind), max(1, chosen.count // (1 + (kind == "nuisance"))), load, end_s)
     return 1 if Verdict.MISSED in report(chosen.folder) else 0
 

@@ -43,11 +43,12 @@ class Limits:
 
 
 class Kept:
-    """The trials of one kind, of this run and of those before it."""
+    """The trials of one kind, of this run and of those before it, those of rooms side by side (folders) included."""
 
     def __init__(self, folder: Path, kind: str) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         self.kind = kind
+        self._folder = folder
         self._path = folder / f"{kind}.jsonl"
         trials = [Trial(**line) for line in self._lines()]
         self.trials = [trial for trial in trials if trial.counts]
@@ -63,10 +64,9 @@ class Kept:
             file.write(json.dumps(asdict(trial)) + "\n")
 
     def _lines(self) -> list[dict[str, Any]]:
-        """All whole lines; the last one may have been cut off."""
-        if not self._path.exists():
-            return []
-        return [json.loads(line) for line in self._path.read_text().splitlines() if line.endswith("}")]
+        """All whole lines; the last one of a file may have been cut off."""
+        texts = [path.read_text() for path in sorted(self._folder.rglob(self._path.name))]
+        return [json.loads(line) for text in texts for line in text.splitlines() if line.endswith("}")]
 
 
 def summary(kept: Kept, limits: Limits) -> dict[str, Any]:

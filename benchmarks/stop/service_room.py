@@ -13,7 +13,7 @@ from benchmarks.stop.load import Load
 from benchmarks.stop.precedence import ahead
 from benchmarks.stop.results import Trial
 from benchmarks.stop.wire import Wire
-from coaxial_client import Coaxial, Refused
+from coaxial_client import Coaxial, NoAnswer, Refused
 from service.auth.permissions import Role
 from simulator.controller import ControllerProcess, ControllerSettings, Payload, free_loopback_address
 from tests.databases import SqliteFiles
@@ -24,10 +24,9 @@ from tests.system.walk import Walk, lift, lifting, until
 
 _WAY_MM = 12.0
 _SPAN_MM = 40.0
-_SHORT_MM = 2.0  # of a motion that is to arrive
 _NOT_BEGUN = ("refused", "not_started")  # how a hold ends whose motion nothing had to stop
-# Most stops are pressed in these; every so often the case is led through all of them.
-_OFTEN = ("moving", "safe_hold", "case_open")
+# Most stops are pressed in these, one leading to the next; every so often the case is led through all of them.
+_OFTEN = ("moving", "safe_hold", "case_open", "safe_hold")
 _STATES = (
     "carm_positioned",
     "image_acquired",
@@ -99,8 +98,9 @@ class ServiceRoom:
         """A client of each role in turn, in every state: from the request to the wire."""
         rare = number % _RARELY == _RARELY - 1
         state = _STATES[number // _RARELY % len(_STATES)] if rare else _OFTEN[number % len(_OFTEN)]
-        presser = self._pressers[number % len(self._pressers)]
+        presser = self._pressers[number // len(_OFTEN) % len(self._pressers)]
         if state == "moving":
+            self._calm()
             self._wire.mark()
             with ahead(), lifting(self._case, self._controller, self._way_mm()):
                 trial = self._pressed(presser, state)
@@ -110,7 +110,8 @@ class ServiceRoom:
             self._wire.mark_when_quiet()
             with ahead():
                 trial = self._pressed(presser, state)
-        self._new_case() if rare else self._calm()
+        if rare:
+            self._new_case()
         return trial
 
     def kill_service(self, _: int) -> Trial:
@@ -130,11 +131,11 @@ class ServiceRoom:
 
     def nuisance(self, _: int) -> Trial:
         """A held motion that is to arrive, the tablet behind a network that jitters."""
-        plan = lift(self._case, _SHORT_MM if self._way_mm() > 0.0 else -_SHORT_MM)
+        plan = lift(self._case, self._way_mm())
         with ahead(), self._case.hold(self._case.approve(plan, PIN)) as hold:
             try:
                 cause = hold.wait(20.0).cause
-            except TimeoutError:
+            except (TimeoutError, NoAnswer):
                 cause = "connection lost"
         self._calm()
         return Trial(None, cause == "arrived", cause, counts=cause not in _NOT_BEGUN)
@@ -149,9 +150,12 @@ class ServiceRoom:
 
     def _come_to(self, state: str) -> None:
         if state == "safe_hold":
-            self._room.stop()
+            if self._case.status()["state"] != state:
+                self._room.stop()
             self._case.wait_for(state)
-        elif state == "over":
+            return
+        self._calm()
+        if state == "over":
             self._case.command("case-aborted", reason="a trial")
         elif state != "case_open":
             Walk(self._case, self._carm).to(state)
