@@ -7,7 +7,7 @@ from benchmarks.removal import Removal, take_out_each
 from tests.robot.without_check import MODULES, VARIABLE, checks
 
 # Without a controller and in no time of the clock's; what keeps real time would take an hour more.
-_TESTS = ("motion_judge", "guard_logic", "feedback", "heartbeat", "journal")
+_TESTS = ("motion_judge", "guard_starts", "guard_control", "guard_ends", "feedback", "heartbeat", "journal")
 _REMOVAL = Removal(
     plugin="tests.robot.without_check",
     variable=VARIABLE,

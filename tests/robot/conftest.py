@@ -10,11 +10,13 @@ import pytest
 
 from robot.arm import ArmState
 from robot.guard.client import GuardConfig
+from robot.guard.journal import Journal
 from robot.guard.messages import BeginMove
 from robot.kinematics import base_from_flange, solve_joints
 from robot.safety import SafetyState
 from simulator.controller import ControllerProcess, ControllerSettings, free_loopback_address
 from tests.robot.bench import Bench
+from tests.robot.guarded_arm import Room
 
 PARKED_RAD = np.deg2rad([0.0, -90.0, 90.0, -90.0, -90.0, 0.0])
 
@@ -40,6 +42,14 @@ def reading() -> ArmState:
         program_running=False,
         safety=SafetyState.NORMAL,
     )
+
+
+@pytest.fixture
+def room(reading: ArmState, tmp_path: Path) -> Iterator[Room]:
+    """A guard over that arm, in numbers alone, acknowledged."""
+    journal = Journal(tmp_path)
+    yield Room(reading, journal)
+    journal.close()
 
 
 @cache
