@@ -12,7 +12,7 @@ from benchmarks.evidence.failing_calls import FAILING, KILLED, prepared_in
 from benchmarks.evidence.item import Item, Trial, Trials
 from benchmarks.evidence.power_loss import cuts
 from benchmarks.evidence.system_calls import recorded
-from benchmarks.states import races
+from benchmarks.states import kills, races, sequences
 
 # Modes that SQLite documents as losing commits, or all of the database, to a power cut; the product asserts WAL and
 # FULL. A rollback journal is known to lose the last commit at FULL, for its removal is not synced (EXTRA is for that).
@@ -115,6 +115,22 @@ ITEMS = (
         _always(20_000),
         tampering.flips,
         at_once=500,
+    ),
+    Item(
+        "reference_model",
+        f"random sequences of {sequences.STEPS} commands, facts and observations over HTTP against a reference model",
+        "0 differences",
+        _always(20_000),
+        sequences.sequences,
+        at_once=100,
+    ),
+    Item(
+        "kill_at_any_moment",
+        "SIGKILL of the running service at random moments of a procedure",
+        "0 acknowledged lost, 0 there twice, 0 motion after the start",
+        _always(2_000),
+        kills.kills,
+        at_once=50,
     ),
     _contested("SQLite", races.on_sqlite),
     _contested("PostgreSQL", races.on_postgresql),

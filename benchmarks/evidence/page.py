@@ -9,6 +9,10 @@ _HEAD = """# Evidence
 Made by `make evidence` from its results; written by no hand. Trials are numbered, and a number is its seed: the same
 number is the same trial. `at most` is the share of bad trials that 95 % confidence leaves open (Clopper and Pearson).
 
+Sequences and contested permits are sent to the whole service over its own sockets; scripted are the guard's client, the
+image work and the monotonic clock, which stands still between two steps. Kills at random moments are of `coaxial serve`
+as a process, with its guard, over a simulated controller.
+
 | what | asked | done | of | bad | at most | holds |
 |---|---|---:|---:|---:|---:|---|
 """

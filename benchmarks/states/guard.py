@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from robot.arm import ArmState
 from robot.frames import Transform
@@ -166,6 +167,17 @@ class ScriptedGuard:
             self._on_event(ended)
             self.look()
 
+    def let_go(self) -> None:
+        """Nobody holds a button."""
+        with self._lock:
+            self._beat = None
+            self.look()
+
+    @property
+    def is_locked(self) -> bool:
+        """Whether it refuses every motion."""
+        return self._phase is Phase.HELD
+
     def fault(self, kind: FaultKind) -> None:
         """A fault without a motion; it locks the guard."""
         with self._lock:
@@ -221,6 +233,12 @@ class ScriptedGuard:
     def base_from_tcp(self) -> Transform:
         """(4, 4), mm: by the nominal kinematics."""
         return np.asarray(base_from_flange(self.joints_rad) @ self.tool.flange_from_guide)
+
+    @property
+    def rotation_vector_deg(self) -> list[float]:
+        """(3,): of that pose."""
+        vector_rad = Rotation.from_matrix(self.base_from_tcp[:3, :3]).as_rotvec()
+        return [float(angle) for angle in np.rad2deg(vector_rad)]
 
 
 def _nobody(_event: Event) -> None:

@@ -1,7 +1,7 @@
 """One permit and many hands: 2 to 64 clients hold the button for the same permit at once; one motion starts.
 
 Every client is a WebSocket of the service's own route. Most hold the control lease (one session at many tablets); some
-speak for another surgeon or under an older token. Each permit is contested once, and spent by whoever comes first.
+speak for another surgeon. Each permit is contested once, and spent by whoever comes first.
 """
 
 import asyncio
@@ -19,7 +19,7 @@ from uuid import uuid4
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import InvalidStatus
 
-from benchmarks.states.room import PIN, Room, scripted_room
+from benchmarks.states.room import PIN, TARGET, Room, scripted_room
 from robot.guard.messages import EndCause
 from service.cases import store
 from service.cases.records import ArtefactKind
@@ -28,11 +28,7 @@ from tests.postgresql_server import postgresql_server
 Trial = dict[str, Any]
 FEWEST, MOST = 2, 64  # clients
 _SIZES = ((FEWEST, 8), (9, 24), (25, MOST))
-_CASE = {
-    "patient_id": "P1",
-    "study_uid": "1.2.3",
-    "targets": [{"name": "L3 left", "entry_mm": [32.0, 85.0, 12.0], "target_mm": [20.0, 40.0, 4.0]}],
-}
+_CASE = {"patient_id": "P1", "study_uid": "1.2.3", "targets": [TARGET]}
 _PATIENCE_S = 60.0
 # What a hand may be told that comes after another, or without control.
 _LATE = {"arm_moving", "interlock", "missing", "lease_lost", "lease_missing", "held"}

@@ -13,6 +13,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from http.client import HTTPConnection
+from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -39,6 +40,7 @@ from service.serving import server_config
 from service.settings import DicomSettings, HttpSettings, SessionSettings, Settings
 
 PASSWORD, PIN = "correct horse", "2468"
+TARGET = {"name": "L3 left", "entry_mm": [32.0, 85.0, 12.0], "target_mm": [20.0, 40.0, 4.0]}
 _DEVICES = Path(__file__).parents[2] / "tests" / "devices"
 _KINDS = {"guide": "guide", "carm": "flat-panel", "tcp": "tcp", "room": "room"}
 _PARKED_RAD = np.deg2rad([0.0, -90.0, 90.0, -90.0, -90.0, 0.0])
@@ -96,9 +98,15 @@ class Room:
     clock: Clock
     tokens: dict[str, str]
     line: Line = field(init=False)
+    drift_known: bool = False  # the arm's last motion arrived, and none has begun since
+    seconds: "count[int]" = field(default_factory=lambda: count(1))  # of the C-arm's clock, one an image
 
     def __post_init__(self) -> None:
         self.line = Line(self.port)
+
+    def next_second(self) -> int:
+        """Of the C-arm's own clock, which goes on from case to case."""
+        return next(self.seconds)
 
     def upload_devices(self, version: str = "1") -> dict[str, str]:
         """A file of each kind, under a version; ids by kind."""
