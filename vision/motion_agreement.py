@@ -61,6 +61,11 @@ class MotionAgreement:
     difference: RelativeMotion
     detectable: RelativeMotion
 
+    @property
+    def limit(self) -> float:
+        """What the chi-square may be."""
+        return CHI_SQUARE_LIMIT
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pair:

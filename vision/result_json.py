@@ -59,6 +59,7 @@ def two_images_to_json(compared: "TwoImages") -> dict[str, Any]:
     return {
         "motion_agreement": {
             "chi_square": motion.chi_square,
+            "limit": motion.limit,
             "difference": relative_motion_to_json(motion.difference),
             "detectable": relative_motion_to_json(motion.detectable),
         },

@@ -169,7 +169,7 @@ class Evaluated:
     position_error_mm: float | None
     position_bound_mm: float | None
     agree: bool | None  # paper and contour within their bounds (H33)
-    motion_chi_square: float | None  # of the rings' motion against the arm's, 6 degrees of freedom (H03)
+    motion_chi_square: float | None  # of the rings' motion against the arm's (H03)
     anatomy_across_mm: float | None  # shift of the anatomy between the images, at the target's depth (H34)
     anatomy_along_mm: float | None
 

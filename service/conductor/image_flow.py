@@ -157,7 +157,7 @@ def evaluation_of(image_id: str, result: Json) -> Prepared:
     The contour registration inside is recorded as one of its own: a correction starts from it.
     """
     contour, bounds = result["contour"], result["contour"]["predicted_error_95"]
-    anatomy = result["anatomy_shift"]
+    anatomy, motion = result["anatomy_shift"], result["motion_agreement"]
     facts = Evaluated(
         evaluation_id=new_id(),
         image_id=image_id,
@@ -166,7 +166,7 @@ def evaluation_of(image_id: str, result: Json) -> Prepared:
         position_error_mm=contour["position_error_mm"],
         position_bound_mm=bounds["position_mm"],
         agree=result["agree"],
-        motion_chi_square=result["motion_agreement"]["chi_square"],
+        motion_chi_square=motion["chi_square"],
         anatomy_across_mm=anatomy["across_mm"] if anatomy["measured"] else None,
         anatomy_along_mm=anatomy["along_mm"] if anatomy["measured"] else None,
     )
@@ -177,7 +177,8 @@ def evaluation_of(image_id: str, result: Json) -> Prepared:
     made_from = (image_id, registration.id)
     evaluation = NewArtefact(ArtefactKind.EVALUATION, facts.evaluation_id, made_from, content, columns)
     made = {"evaluation": facts.evaluation_id, "registration": registration.id}
-    return Prepared(facts, (registration, evaluation), made, {"image_id": image_id, **figures})
+    data, limits = {"image_id": image_id, **figures}, {"motion_chi_square": motion["limit"]}
+    return Prepared(facts, (registration, evaluation), made, data, limits=limits)
 
 
 def _summary(result: Json) -> Json:

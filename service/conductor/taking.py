@@ -43,7 +43,8 @@ class Standing:
 class Prepared:
     """What comes with a trigger and what it makes.
 
-    `data` goes into the event, `detail` into the answer, `then` is done once the transaction is committed.
+    `data` goes into the event, `detail` into the answer, `then` is done once the transaction is committed; `limits` of
+    the interlocks come from what was measured, beside the site's.
     """
 
     facts: Facts
@@ -53,6 +54,11 @@ class Prepared:
     detail: Mapping[str, Any] = field(default_factory=dict)
     then: Callable[[Decision], None] | None = None
     also: Callable[[Connection, Decision], None] | None = None  # rows that commit with the event
+    limits: Mapping[str, Any] = field(default_factory=dict)
+
+    def among(self, limits: Limits) -> Limits:
+        """The site's limits with those that were told."""
+        return replace(limits, **self.limits)
 
 
 Prepare = Callable[[Standing], Prepared]
@@ -100,7 +106,8 @@ def take(
     standing: Standing, rules: Rules, trigger: Trigger, prepared: Prepared, user_id: str | None, version: int | None
 ) -> Taken | Refusal:
     """Decide and record, accepted or refused; ServiceError VERSION_STALE if the case is not at `version`."""
-    answer = decide(standing.case, trigger, prepared.facts, standing.snapshot, rules.limits, rules.clock())
+    limits = prepared.among(rules.limits)
+    answer = decide(standing.case, trigger, prepared.facts, standing.snapshot, limits, rules.clock())
     record_attempt(standing.connection, _attempt(standing, trigger, answer, user_id))
     if isinstance(answer, Refusal):
         return answer

@@ -174,7 +174,7 @@ class Walk:
     def __init__(self) -> None:
         self.case = opened("case")
         self.now_s = 100.0
-        self.limits = Limits()
+        self.limits = Limits(motion_chi_square=18.5)
         self.snapshot = good_snapshot()
         self._numbers = count(1)
 

@@ -15,7 +15,7 @@ from workflow.snapshot import Reading
 from workflow.states import InsertionStatus, State
 from workflow.triggers import Trigger
 
-LIMITS = Limits()
+LIMITS = Limits(motion_chi_square=18.5)
 NAN = math.nan
 UNKNOWN = Reading(None, 0.01)
 ELSEWHERE = (9.0, -1.2, 1.3, -0.4, 1.5, 0.2)

@@ -64,7 +64,7 @@ def steps_from(case: CaseState, facts_of, snapshot) -> Iterator[Step]:
         kinds = PlanKind if trigger is Trigger.PLAN_REQUESTED else (PlanKind.TARGETING,)
         for kind in kinds:
             for facts in variants(case, trigger, facts_of(case, trigger, str, kind)):
-                answer = decide(case, trigger, facts, snapshot, Limits(), 0.0)
+                answer = decide(case, trigger, facts, snapshot, Limits(motion_chi_square=18.5), 0.0)
                 if isinstance(answer, Decision):
                     yield Step(case, trigger, facts, plain(answer.after), answer)
 
