@@ -10,6 +10,7 @@ from fastapi import FastAPI
 from robot.guard.pauses import spare_what_is_loaded
 from robot.guard.precedence import Precedence, lift_process
 from service.app import create_app
+from service.connections import BACKLOG, PromptProtocol, allow_descriptors
 from service.settings import Settings
 
 
@@ -26,6 +27,7 @@ class _Server(uvicorn.Server):
 
 def run(settings: Settings, claim_reason: str | None = None) -> None:
     """Serve until interrupted; ServiceError where a part refuses to start."""
+    allow_descriptors()
     asyncio.run(_serve(settings, claim_reason))
 
 
@@ -46,6 +48,8 @@ def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
         app,
         host=settings.http.host,
         port=settings.http.port,
+        http=PromptProtocol,
+        backlog=BACKLOG,
         lifespan="off",  # entered beside it, so that a refusal to start reaches the caller with its type
         log_config=None,
         access_log=False,
