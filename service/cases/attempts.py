@@ -1,5 +1,7 @@
 """Every request that was decided, with the verdict of every interlock: what the audit and `/interlocks` show."""
 
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import sqlalchemy as sa
@@ -47,10 +49,16 @@ def list_attempts(connection: Connection, case_id: str | None, limit: int = 200)
     query = sa.select(table).order_by(table.c.id.desc()).limit(limit)
     if case_id is not None:
         query = query.where(table.c.case_id == case_id)
-    return [dict(row._mapping) | {"verdicts": _verdicts(connection, row.id)} for row in connection.execute(query)]
+    found = [dict(row._mapping) for row in connection.execute(query)]
+    verdicts = _verdicts(connection, [attempt["id"] for attempt in found])
+    return [attempt | {"verdicts": verdicts[attempt["id"]]} for attempt in found]
 
 
-def _verdicts(connection: Connection, attempt_id: int) -> list[dict[str, Any]]:
-    columns = [tables.verdicts.c[name] for name in _VERDICT]
-    query = sa.select(*columns).where(tables.verdicts.c.attempt_id == attempt_id).order_by(tables.verdicts.c.id)
-    return [dict(row._mapping) for row in connection.execute(query)]
+def _verdicts(connection: Connection, attempts: Sequence[int]) -> Mapping[int, list[dict[str, Any]]]:
+    """The verdicts of each attempt, in the order in which they were given."""
+    table, found = tables.verdicts, defaultdict[int, list[dict[str, Any]]](list)
+    columns = [table.c[name] for name in _VERDICT]
+    query = sa.select(table.c.attempt_id, *columns).where(table.c.attempt_id.in_(attempts)).order_by(table.c.id)
+    for attempt_id, *values in connection.execute(query):
+        found[attempt_id].append(dict(zip(_VERDICT, values, strict=True)))
+    return found

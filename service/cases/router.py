@@ -26,6 +26,7 @@ AuditReader = Annotated[Session, Depends(require(Permission.READ_AUDIT))]
 PartsOfRoom = Annotated[Parts, Depends(parts_of)]
 LARGEST_SEQUENCE = 2**31 - 1
 _MOST_ATTEMPTS = 5000  # in one answer: many times what a case comes to
+_MOST_CASES = 1000
 
 
 class CaseView(BaseModel):
@@ -81,11 +82,21 @@ def open_new_case(
     return CaseWithTargets(**answer.body)
 
 
-@router.get("/cases")
-def list_all_cases(_: Reader, parts: PartsOfRoom) -> list[CaseView]:
-    """Every case, newest first."""
+@router.get("/cases", openapi_extra=may_fail_with(ErrorCode.CASE_UNKNOWN))
+def list_cases(
+    _: Reader,
+    parts: PartsOfRoom,
+    limit: Annotated[int, Query(ge=1, le=_MOST_CASES)] = 100,
+    before: Annotated[str | None, Query(max_length=64)] = None,
+) -> list[CaseView]:
+    """The newest cases, newest first, the room's open one always among them; with `before`, those behind that case."""
     with parts.database.read() as connection:
-        return [_view(connection, case) for case in store.list_cases(connection)]
+        cases = store.list_cases(connection, limit, before)
+        open_id = store.open_case_of(connection, parts.settings.room) if before is None else None
+        if open_id is not None and all(case.id != open_id for case in cases):  # older, by a clock that was put back
+            cases.append(store.read_case(connection, open_id))
+        standings = store.standings(connection, [case.id for case in cases])
+    return [CaseView(**asdict(case), **standings[case.id]) for case in cases]
 
 
 @router.get("/cases/{case_id}", openapi_extra=may_fail_with(ErrorCode.CASE_UNKNOWN))

@@ -105,6 +105,15 @@ def newest_event(connection: Connection, case_id: str) -> StoredEvent:
     return _event(row)
 
 
+def standings(connection: Connection, case_ids: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """State, version and sequence of each case, by its id."""
+    events = tables.events.c
+    newest = sa.select(events.case_id, sa.func.max(events.sequence)).where(events.case_id.in_(case_ids))
+    is_newest = sa.tuple_(events.case_id, events.sequence).in_(newest.group_by(events.case_id))
+    rows = connection.execute(sa.select(events.case_id, events.state, events.version, events.sequence).where(is_newest))
+    return {row.case_id: {"state": row.state, "version": row.version, "sequence": row.sequence} for row in rows}
+
+
 def newest_sequence(connection: Connection, case_id: str) -> int:
     """The number of the last event; 0 where there is none."""
     query = sa.select(sa.func.max(tables.events.c.sequence)).where(tables.events.c.case_id == case_id)
@@ -141,9 +150,13 @@ def read_case(connection: Connection, case_id: str) -> StoredCase:
     return StoredCase(**row._mapping)
 
 
-def list_cases(connection: Connection) -> list[StoredCase]:
-    """Every case, newest first."""
-    query = sa.select(tables.cases).order_by(tables.cases.c.opened_at.desc(), tables.cases.c.id)
+def list_cases(connection: Connection, limit: int | None = None, before: str | None = None) -> list[StoredCase]:
+    """Cases, newest first: all, or so many of those before one; ServiceError CASE_UNKNOWN."""
+    cases = tables.cases
+    query = sa.select(cases).order_by(cases.c.opened_at.desc(), cases.c.id.desc()).limit(limit)
+    if before is not None:
+        last = read_case(connection, before)
+        query = query.where(sa.tuple_(cases.c.opened_at, cases.c.id) < sa.tuple_(last.opened_at, last.id))
     return [StoredCase(**row._mapping) for row in connection.execute(query)]
 
 
@@ -156,17 +169,10 @@ def planned_targets(connection: Connection, case_id: str) -> dict[str, Any]:
 def open_case_of(connection: Connection, room: str) -> str | None:
     """The id of the room's case that is neither closed nor aborted, if there is one."""
     events, cases = tables.events, tables.cases
-    newest = sa.select(events.c.case_id, sa.func.max(events.c.sequence).label("sequence")).group_by(events.c.case_id)
-    last = newest.subquery()
-    is_last = sa.and_(events.c.case_id == last.c.case_id, events.c.sequence == last.c.sequence)
-    query = (
-        sa.select(cases.c.id)
-        .select_from(cases)
-        .join(events, events.c.case_id == cases.c.id)
-        .join(last, is_last)
-        .where(cases.c.room == room, events.c.state.not_in(_OVER))
-    )
-    return connection.execute(query).scalar()
+    # what is over stays so; constants in the query's text, for else the index of these events is not used
+    over = events.c.state.in_(sa.bindparam("over", _OVER, expanding=True, literal_execute=True))
+    ended = sa.exists().where(events.c.case_id == cases.c.id, over)
+    return connection.execute(sa.select(cases.c.id).where(cases.c.room == room, ~ended)).scalar()
 
 
 def read_artefact(connection: Connection, kind: ArtefactKind, artefact_id: str) -> StoredArtefact:

@@ -19,6 +19,7 @@ metadata = sa.MetaData(
 # SQLite numbers rows by itself only in an INTEGER primary key.
 _RowNumber = BigInteger().with_variant(Integer, "sqlite")
 _OptionalJson = JSON(none_as_null=True)
+_IS_OVER = sa.text("state IN ('closed', 'aborted')")
 
 
 def _id() -> Column[str]:
@@ -50,6 +51,7 @@ def _artefact(name: str, *extra: sa.schema.SchemaItem) -> Table:
         _at(),
         *extra,
         sa.ForeignKeyConstraint(["case_id", "sequence"], ["events.case_id", "events.sequence"]),
+        sa.Index(f"ix_{name}_case_id_sequence", "case_id", "sequence"),
     )
 
 
@@ -125,6 +127,8 @@ cases = Table(
     Column("settings_sha256", String(64), nullable=False),
     Column("devices", JSON, nullable=False),
     _at("opened_at"),
+    sa.Index("ix_cases_room_id", "room", "id"),
+    sa.Index("ix_cases_opened_at_id", "opened_at", "id"),
 )
 planned_targets = Table(
     "planned_targets",
@@ -145,6 +149,8 @@ events = Table(
     Column("case_state", JSON, nullable=False),
     Column("data", JSON, nullable=False),
     _at(),
+    # the cases that are over, which in the end is nearly all of them
+    sa.Index("ix_events_over", "case_id", sqlite_where=_IS_OVER, postgresql_where=_IS_OVER),
 )
 audit_events = Table(
     "audit_events",
@@ -154,6 +160,7 @@ audit_events = Table(
     Column("user_id", String),
     Column("data", JSON, nullable=False),
     _at(),
+    sa.Index("ix_audit_events_kind_id", "kind", "id"),
 )
 attempts = Table(
     "attempts",

@@ -19,7 +19,7 @@ from service.database.engines import Database
 from service.errors import ErrorCode, ServiceError
 from service.images.dicom_header import DicomHeader
 from service.images.findings import findings_of
-from service.images.store import add_image
+from service.images.store import NewPurpose, add_image, assign_purpose, purpose_of
 from service.vision_jobs import evaluate, register
 from workflow.triggers import Trigger
 
@@ -48,7 +48,10 @@ def _record(
     *,
     verifies: bool = False,
 ) -> None:
-    """Let image work end with a result, and record what the flow makes of it."""
+    """Let image work on a case's image end with a result, and record what the flow makes of it."""
+    with database.write() as connection:
+        if purpose_of(connection, image_id) is None:
+            assign_purpose(connection, NewPurpose(image_id, "case", "registration", {}, ()))
 
     async def work(*_arguments: object) -> dict[str, Any]:
         return result
