@@ -15,6 +15,7 @@ _SECURITY_HEADERS = {
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-store",
 }
+_NUL = b"%00"  # PostgreSQL knows no text with one: an export would break off behind its first line
 
 
 class Edge:
@@ -40,6 +41,10 @@ class Edge:
                     headers.setdefault(name, value)
             await send(message)
 
+        if _NUL in scope["query_string"]:
+            refusal = ServiceError(ErrorCode.MALFORMED_REQUEST, "the query holds a NUL")
+            await answer_error(refusal)(scope, receive, hardened)
+            return
         limit = self._larger.get(scope["path"], self._max_body_bytes)
         declared = Headers(scope=scope).get("content-length", "0")
         if declared.isdigit() and int(declared) > limit:

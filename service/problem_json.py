@@ -57,6 +57,13 @@ def answer_error(error: ServiceError, headers: dict[str, str] | None = None, **m
     return JSONResponse(problem.model_dump(mode="json"), problem.status, headers, MEDIA_TYPE)
 
 
+def answer_malformed(error: RequestValidationError) -> JSONResponse:
+    """The whole answer for a request whose fields are not what they must be, each named."""
+    fields = [{"field": ".".join(map(str, one["loc"])), "problem": one["msg"]} for one in error.errors()]
+    first = f"{fields[0]['field']}: {fields[0]['problem']}" if fields else "the request cannot be read"
+    return answer_error(ServiceError(ErrorCode.MALFORMED_REQUEST, first), fields=fields)
+
+
 def add_problem_handlers(app: FastAPI) -> None:
     """Answer every error of `app` as problem+json."""
     app.add_exception_handler(ServiceError, _service_error)
@@ -73,10 +80,8 @@ async def _service_error(request: Request, error: Exception) -> JSONResponse:
 
 async def _malformed(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)  # noqa: S101  registered for this type only
-    fields = [{"field": ".".join(map(str, one["loc"])), "problem": one["msg"]} for one in error.errors()]
     _log.warning("request_refused", code=ErrorCode.MALFORMED_REQUEST, method=_method(request), route=_route(request))
-    first = f"{fields[0]['field']}: {fields[0]['problem']}" if fields else "the request cannot be read"
-    return answer_error(ServiceError(ErrorCode.MALFORMED_REQUEST, first), fields=fields)
+    return answer_malformed(error)
 
 
 async def _framework_error(request: Request, error: Exception) -> JSONResponse:

@@ -12,7 +12,7 @@ from typing import Any
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection, Engine
-from sqlalchemy.exc import DatabaseError, DBAPIError, OperationalError
+from sqlalchemy.exc import DatabaseError, DataError, DBAPIError, OperationalError
 
 from service.database.json_text import to_text
 from service.database.turns import Turns
@@ -134,9 +134,14 @@ def _postgresql_engine(address: sa.URL, *, writes: bool) -> Engine:
 
 @contextmanager
 def _typed_faults() -> Iterator[None]:
-    """Lock waits, full disks, I/O errors and damaged files as ServiceError; broken constraints stay what they are."""
+    """Lock waits, full disks, I/O errors, damaged files and values that no column holds as ServiceError.
+
+    Broken constraints stay what they are.
+    """
     try:
         yield
+    except DataError as error:  # PostgreSQL alone: SQLite keeps any text
+        raise ServiceError(ErrorCode.MALFORMED_REQUEST, "a text or a number is none that a record can hold") from error
     except OperationalError as error:
         raise _fault(error) from error
     except DatabaseError as error:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from io import BytesIO
 from typing import Any
 
+import pydicom.config
 from pydicom import Dataset, dcmread
 
 from service.errors import ErrorCode, ServiceError
@@ -46,6 +47,9 @@ class DicomHeader:
     metadata: dict[str, Any]
 
 
+# Else a value that is not as its kind should be is told to standard error, and it may be a patient's name.
+pydicom.config.settings.reading_validation_mode = pydicom.config.IGNORE
+
 EMPTY_HEADER = DicomHeader(None, None, None, None, {})
 
 
@@ -68,7 +72,7 @@ def read_header(
 
 
 def _header(dataset: Dataset) -> DicomHeader:
-    metadata: dict[str, Any] = {key: str(dataset[word].value) for word, key in _TEXTS.items() if _has(dataset, word)}
+    metadata: dict[str, Any] = {key: _told(dataset[word].value) for word, key in _TEXTS.items() if _has(dataset, word)}
     metadata |= {key: float(dataset[word].value) for word, key in _NUMBERS.items() if _has(dataset, word)}
     metadata |= {key: int(dataset[word].value) for word, key in _COUNTS.items() if _has(dataset, word)}
     metadata["frames"] = int(dataset.get("NumberOfFrames") or 1)
@@ -129,4 +133,13 @@ def _has(dataset: Dataset, word: str) -> bool:
 
 
 def _text(dataset: Dataset, word: str) -> str | None:
-    return str(dataset[word].value).strip() or None if _has(dataset, word) else None
+    return _told(dataset[word].value).strip() or None if _has(dataset, word) else None
+
+
+def _told(value: object) -> str:
+    """A value as text; ValueError where it is none that a record can hold: NUL, half a character."""
+    text = str(value)
+    if "\x00" in text:
+        raise ValueError("a text with a NUL")
+    text.encode()
+    return text

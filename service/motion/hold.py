@@ -4,7 +4,7 @@ import asyncio
 import math
 import time
 from dataclasses import asdict, dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import structlog
 from fastapi import APIRouter, Depends, Query, WebSocket, WebSocketDisconnect
@@ -38,6 +38,11 @@ class HeartbeatMessage(BaseModel):
     number: int = Field(ge=0, le=2**53)
     challenge: str = Field(max_length=64)
     held: bool
+
+    @classmethod
+    def of(cls, text: str) -> Self:
+        """What a frame says; ValidationError where that is no heartbeat."""
+        return cls.model_validate_json(text[:_LARGEST_MESSAGE])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,7 +105,7 @@ async def _forward(held: _Hold) -> None:
     try:
         while True:
             text = await held.socket.receive_text()
-            beat = HeartbeatMessage.model_validate_json(text[:_LARGEST_MESSAGE])
+            beat = HeartbeatMessage.of(text)
             held.conductor.bridge.heartbeat(Heartbeat(held.permit_id, beat.number, beat.challenge, beat.held))
     except (WebSocketDisconnect, ValidationError, KeyError) as error:  # KeyError: a binary message
         _log.info("hold_ended", case_id=held.caller.case_id, reason=type(error).__name__)

@@ -160,6 +160,7 @@ def test_the_same_pixels_under_a_new_identity_are_a_duplicate(receive, make_xray
         ({"Rows": 200}, ErrorCode.IMAGE_TRUNCATED),
         ({"Rows": 10_000, "Columns": 10_000}, ErrorCode.IMAGE_BYTES_TOO_LARGE),
         ({"NumberOfFrames": 3}, ErrorCode.SEVERAL_FRAMES),
+        ({"PatientID": "P\x001"}, ErrorCode.NOT_AN_IMAGE),
     ],
 )
 def test_what_is_no_usable_image_is_kept_and_answered_with_failure_and_its_code(receive, make_xray, elements, code):

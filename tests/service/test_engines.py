@@ -86,6 +86,22 @@ def test_an_exception_leaves_nothing_behind_and_wakes_nobody(database):
     assert woken == []
 
 
+@pytest.mark.hazard("H31")
+def test_a_text_that_postgresql_does_not_know_is_refused_with_a_type_and_found_nowhere(database):
+    claims = tables.room_claims
+
+    def look() -> list:
+        with database.read() as connection:
+            return connection.execute(sa.select(claims).where(claims.c.room == "a\x00b")).all()
+
+    if database.reader.dialect.name == "sqlite":
+        assert look() == []
+        return
+    with pytest.raises(ServiceError) as refusal:
+        look()
+    assert refusal.value.code == ErrorCode.MALFORMED_REQUEST
+
+
 def test_a_folder_that_is_no_database_is_a_typed_fault(tmp_path):
     with pytest.raises(ServiceError) as refusal:
         open_database(f"sqlite:///{tmp_path}")

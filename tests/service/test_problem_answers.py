@@ -44,6 +44,7 @@ def _problem(response: httpx.Response) -> dict:
         ("POST", "/devices/laser", 422, "malformed_request"),
         ("GET", "/audit?after=-1", 422, "malformed_request"),
         ("GET", "/audit?after=99999999999999999999999999", 422, "malformed_request"),
+        ("GET", "/audit/export?case=a%00", 422, "malformed_request"),
     ],
 )
 def test_an_address_that_leads_nowhere(running, method, path, status, code):
