@@ -1,10 +1,15 @@
 """The permission table covers every route, and every role meets over HTTP exactly what the table says."""
 
+import json
+
 import pytest
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
 
 from service.app import ROUTERS
 from service.auth.dependencies import any_session, stop_caller
 from service.auth.permissions import ROLE_PERMISSIONS, Permission, Role
+from tests.service.conftest import PASSWORD
 
 # Who signs in has no session yet; health tells nothing.
 _OPEN = {"POST /session", "GET /health/live", "GET /health/ready"}
@@ -92,3 +97,27 @@ def test_a_role_without_the_permission_is_refused_and_one_with_it_is_not(running
             response = client.request(method, path.replace("{kind}", "guide").replace("{case_id}", "x"))
         refused = response.headers["content-type"] == "application/problem+json" and response.json()["code"]
         assert (refused == "permission_missing") is not (permissions <= ROLE_PERMISSIONS[role]), role
+
+
+def _refusal_of_hold(running, token: str | None) -> str:
+    """The code with which a WebSocket's handshake is refused."""
+    url = f"{running.url.replace('http', 'ws', 1)}/api/cases/some-case/hold?permit=p"
+    headers = {"Authorization": f"Bearer {token}"} if token else {}
+    with pytest.raises(InvalidStatus) as caught, connect(url, additional_headers=headers):
+        pass
+    return json.loads(caught.value.response.body)["code"]
+
+
+@pytest.mark.hazard("H27")
+@pytest.mark.parametrize("role", Role)
+def test_the_button_is_held_by_nobody_but_who_may_move(running, role):
+    may_move = Permission.MOVE in ROLE_PERMISSIONS[role]
+    assert (_refusal_of_hold(running, running.tokens[role]) == "permission_missing") is not may_move
+
+
+@pytest.mark.hazard("H27")
+def test_the_button_is_held_by_no_stranger_and_with_no_session_that_is_over(running):
+    with running.client(None) as client:
+        token = client.post("/session", json={"name": "surgeon", "password": PASSWORD}).json()["token"]
+        assert client.delete("/session").status_code == 204
+    assert _refusal_of_hold(running, None) == _refusal_of_hold(running, token) == "not_signed_in"
