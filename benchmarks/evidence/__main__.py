@@ -40,7 +40,7 @@ def run(item: Item, folder: Path, share: float) -> Summary:
         done = min(first + item.at_once, len(todo))
         left_min = (time.monotonic() - started_s) / done * (len(todo) - done) / 60.0
         print(f"\r{item.name}: {done} of {len(todo)}, {left_min:.0f} min left ", end="", file=sys.stderr, flush=True)
-    return summary(results, planned)
+    return summary(results, planned * item.executions)
 
 
 def main() -> None:

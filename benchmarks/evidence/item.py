@@ -1,5 +1,6 @@
 """One row of the evidence: what is tried how often, what came of it, and what that proves."""
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,7 +8,7 @@ from typing import Any
 
 from scipy.stats import binomtest
 
-Trial = dict[str, Any]  # `number`, `bad`, and what it was about
+Trial = dict[str, Any]  # `number`, `bad`, and what it was about: its `kind`, or how many executions of which `kinds`
 Trials = Callable[[Path, Sequence[int]], Iterator[Trial]]
 
 
@@ -21,6 +22,7 @@ class Item:
     count: Callable[[Path], int]  # trials for the whole proof; may depend on what is prepared in the folder
     trials: Trials
     at_once: int  # numbers given at a time
+    executions: int = 1  # of one trial
 
 
 @dataclass(frozen=True)
@@ -40,10 +42,11 @@ class Summary:
 
 
 def summary(trials: Sequence[Trial], planned: int) -> Summary:
-    """Counts by what each trial was about (`kind`)."""
+    """Counts of executions by what each was about."""
     bad = sum(trial["bad"] for trial in trials)
-    share = float(binomtest(bad, len(trials)).proportion_ci(0.95, method="exact").high) if trials else 1.0
-    kinds: dict[str, int] = {}
+    kinds: Counter[str] = Counter()
     for trial in trials:
-        kinds[trial["kind"]] = kinds.get(trial["kind"], 0) + 1
-    return Summary(len(trials), planned, bad, share, kinds)
+        kinds.update(trial["kinds"] if "kinds" in trial else [trial["kind"]])
+    done = kinds.total()
+    share = float(binomtest(bad, done).proportion_ci(0.95, method="exact").high) if done else 1.0
+    return Summary(done, planned, bad, share, dict(kinds))

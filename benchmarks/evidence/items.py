@@ -12,6 +12,8 @@ from benchmarks.evidence.failing_calls import FAILING, KILLED, prepared_in
 from benchmarks.evidence.item import Item, Trial, Trials
 from benchmarks.evidence.power_loss import cuts
 from benchmarks.evidence.system_calls import recorded
+from benchmarks.fuzz import http_requests
+from benchmarks.fuzz import trials as fuzzing
 from benchmarks.states import kills, races, sequences
 
 # Modes that SQLite documents as losing commits, or all of the database, to a power cut; the product asserts WAL and
@@ -134,4 +136,6 @@ ITEMS = (
     ),
     _contested("SQLite", races.on_sqlite),
     _contested("PostgreSQL", races.on_postgresql),
+    *fuzzing.items(),
+    http_requests.item(),
 )
