@@ -11,7 +11,7 @@ from vision.alignment import goal
 from vision.inspection import Aim, aim_at
 from vision.overlay import BOUNDS_TIMES, bounds_points
 from vision.plate import ball_spots
-from vision.projection import View
+from vision.projection import View, project
 from vision.refusal import Refusal
 from vision.registered import PixelSpace, Registration
 from vision.wire_model import Wire, curve
@@ -21,11 +21,12 @@ Array = NDArray[np.float64]
 Json = dict[str, Any]
 _PLACES = 120  # on a ring
 _NAMES = {Wire.SMALL_RING: "small_ring", Wire.BIG_RING: "big_ring", Wire.LINE: "line"}
+_STEPS = 20  # of the straight way there, which a bent image bends
 _DECIMALS = 2  # of a pixel: finer than any screen shows
 
 
 def outlines(image: XrayImage, registration: Registration, targets: Sequence[Json]) -> Json | Refusal:
-    """Wires, fiducials, bead, balls, every target, the newest one's bounds and the guide at its goal."""
+    """Wires, fiducials, bead, balls, every target, the newest one's bounds, the way there and the guide at its goal."""
     newest = targets[-1] if targets else None
     aim = None if newest is None else _aim(registration, newest)
     if isinstance(aim, Refusal):
@@ -39,7 +40,7 @@ def outlines(image: XrayImage, registration: Registration, targets: Sequence[Jso
         "targets": list(targets),
         "bounds": [] if aim is None else _pairs(raw(bounds_points(aim))),
         "bounds_times": BOUNDS_TIMES,
-        "goal": {} if aim is None else _at_goal(registration, aim),
+        **_ahead(registration, aim),
     }
 
 
@@ -56,10 +57,15 @@ def _wires(registration: Registration, view: View) -> dict[str, list[tuple[float
     return {_NAMES[wire]: _pairs(raw(curve(view, guide, wire, at)[0])) for wire, at in places.items()}
 
 
-def _at_goal(registration: Registration, aim: Aim) -> dict[str, list[tuple[float, float]]]:
-    guide_from_goal, _ = goal(registration.view(), aim.pixel)
-    view = View(registration.intrinsics, registration.source_from_guide @ guide_from_goal)
-    return _wires(registration, view)
+def _ahead(registration: Registration, aim: Aim | None) -> Json:
+    """The wires at the goal, and the way of the small ring's centre there."""
+    if aim is None:
+        return {"goal": {}, "way": []}
+    here = registration.view()
+    guide_from_goal, _ = goal(here, aim.pixel)
+    there = View(registration.intrinsics, registration.source_from_guide @ guide_from_goal)
+    way = project(here, np.linspace(0.0, 1.0, _STEPS + 1)[:, None] * guide_from_goal[:3, 3])
+    return {"goal": _wires(registration, there), "way": _pairs(registration.distortion.raw_from_corrected(way))}
 
 
 def _balls(image: XrayImage, registration: Registration) -> Array:

@@ -67,7 +67,10 @@ class EchoAnswer(BaseModel):
 
 
 class OverlayAnswer(BaseModel):
-    """Lines over an image, raw pixels (u, v). `goal` is where the guide's rings are to appear after the motion."""
+    """Lines over an image, raw pixels (u, v).
+
+    `goal` is where the guide's wires are to appear after the motion, `way` how the small ring's centre comes there.
+    """
 
     wires: dict[str, list[tuple[float, float]]]
     fiducials: dict[str, tuple[float, float]]
@@ -77,6 +80,7 @@ class OverlayAnswer(BaseModel):
     bounds: list[tuple[float, float]]
     bounds_times: float
     goal: dict[str, list[tuple[float, float]]]
+    way: list[tuple[float, float]]
 
 
 class LeaseAnswer(BaseModel):
