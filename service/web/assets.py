@@ -1,7 +1,9 @@
 """The client's files in memory: read once at start, so that no request names a path of the disk."""
 
+import base64
 import hashlib
 import json
+import re
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -20,6 +22,9 @@ _MEDIA_TYPES = {
 # Fetched beside the page instead of one after the other as each module names the next.
 _PRELOADED = (".js",)
 _PRELOAD_MARK = b"<!-- modules -->"
+# An icon that came by itself would come after its screen, and not at all while the network is lost.
+_ICON_SHEET = "css/icons.css"
+_ICON_NAMED = re.compile(rb'url\("/(icons/[a-z-]+\.svg)"\)')
 _LOCALES = "locales"
 _OWN_NAME = "language.name"  # what a language calls itself, in its own file
 
@@ -40,11 +45,19 @@ def assets() -> dict[str, Asset]:
 
 
 def assets_in(folder: Path) -> dict[str, Asset]:
-    """Every file of a client's folder by its address; the page itself at `/`, its languages at `/locales.json`."""
+    """Every file of a client's folder by its address; the page itself at `/`, its languages at `/locales.json`.
+
+    Icons stand in the style sheet that names them.
+    """
     files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     files[""] = files.pop(_INDEX).replace(_PRELOAD_MARK, _preloads(files))
+    files[_ICON_SHEET] = _ICON_NAMED.sub(lambda named: _inline(files[named[1].decode()]), files[_ICON_SHEET])
     files[f"{_LOCALES}.json"] = _languages(files)
     return {f"/{name}": _asset(name or _INDEX, content) for name, content in files.items()}
+
+
+def _inline(icon: bytes) -> bytes:
+    return b'url("data:image/svg+xml;base64,%s")' % base64.b64encode(icon)
 
 
 def _languages(files: dict[str, bytes]) -> bytes:

@@ -6,7 +6,8 @@ from service.web.assets import assets
 
 router = APIRouter(include_in_schema=False)
 
-# Everything comes from and goes to the service itself; `data:` is the picked point as the server drew it back.
+# Everything comes from and goes to the service itself; `data:` is the picked point as the server drew it back,
+# and the icons.
 POLICY = "; ".join(
     (
         "default-src 'none'",

@@ -63,6 +63,13 @@ def test_what_the_files_name_is_there_and_is_the_service_s_own():
             assert target in known, f"{path} names {name}"
 
 
+def test_icons_come_with_their_style_sheet():
+    written = (_CLIENT / "css" / "icons.css").read_text()
+    served = assets()["/css/icons.css"].content.decode()
+    assert served.count("data:image/svg+xml;base64,") == written.count("/icons/") > 20
+    assert "/icons/" not in served
+
+
 def test_an_installed_program_has_every_file():
     packed = {file.distribution_path for file in WheelBuilder(str(_TREE)).recurse_included_files()}
     assert {path.relative_to(_TREE).as_posix() for path in _CLIENT.rglob("*") if path.is_file()} <= packed
