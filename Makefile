@@ -57,6 +57,9 @@ test-tablet: $(VENV)/.test  ## the tablet in Debian's Chromium, by touch alone, 
 test-kills: $(VENV)/.test  ## SIGKILL of the service in every state of a case
 	$(BIN)/python -m pytest tests/system/test_service_killed.py -v
 
+tablet-speed: $(VENV)/.test  ## first screen, image on screen, frames of a window drag in Chromium; COUNT=10 of each
+	$(BIN)/python -m benchmarks.tablet_speed --count $(or $(COUNT),10)
+
 pictures: $(VENV)/.test  ## the same, and the documentation's pictures of the tablet taken anew
 	COAXIAL_TEST_PICTURES=docs/pictures $(BIN)/python -m pytest -m tablet
 
