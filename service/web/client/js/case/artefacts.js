@@ -1,8 +1,11 @@
 /** Links of the chain as they were recorded; they never change, so each is read once. */
 
 import { useEffect, useState } from "../../vendor/preact.js";
-import { get } from "../api.js";
-import { isConnected, noteRefusal } from "../room/room.js";
+import { get, Refused } from "../api.js";
+import { noteRefusal } from "../room/room.js";
+
+// A service that is away, or too busy for an answer, is asked again.
+const AGAIN_MS = 2000;
 
 /** @type {Map<string, Promise<any>>} */
 const read = new Map();
@@ -18,9 +21,9 @@ function once(path) {
 }
 
 /**
- * What a path answers, once it is there; null before.
+ * What a path answers, once it is there; null before, or what was answered before where that changes.
  * @param {string|null} path
- * @param {boolean} [changes] whether it may answer otherwise later
+ * @param {boolean} [changes] whether it may answer otherwise later; the path then only says when to ask anew
  * @returns {any}
  */
 export function useAnswer(path, changes = false) {
@@ -29,12 +32,18 @@ export function useAnswer(path, changes = false) {
     if (path === null) return undefined;
     // Answers may overtake one another; that to an earlier question must not come back.
     let isAsked = true;
-    (changes ? get(path) : once(path)).then((value) => isAsked && setAnswered({ path, value }), noteRefusal);
+    const ask = () => (changes ? get(path) : once(path)).then((value) => isAsked && setAnswered({ path, value }), askAgain);
+    const askAgain = (/** @type {unknown} */ refused) => {
+      noteRefusal(refused);
+      const { status } = /** @type {Refused} */ (refused).problem;
+      if (isAsked && (status === 0 || status >= 500)) setTimeout(() => isAsked && ask(), AGAIN_MS);
+    };
+    ask();
     return () => {
       isAsked = false;
     };
-  }, [path, isConnected.value]);
-  return answered.path === path ? answered.value : null;
+  }, [path]);
+  return answered.path === path || changes ? answered.value : null;
 }
 
 /**

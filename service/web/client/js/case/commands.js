@@ -16,27 +16,54 @@ const OVERRIDING = new Set(["target_confirmed", "plan_requested", "move_approved
 const TRIES = 5;
 const AGAIN_MS = 400;
 
+/** Settles once everything that was sent is answered and what it left is read. @type {Promise<any>} */
+let quiet = Promise.resolve();
+
 /**
- * Send a command of the open case; null where it was refused, which `refusal` then holds.
+ * Request something of the open case, once what was said before is answered: a fact just stated changes the version.
  * @param {string} trigger as the status names it
  * @param {object} [body]
- * @returns {Promise<any>}
+ * @returns {Promise<any>} null where it was refused, which `refusal` then holds
  */
-export async function send(trigger, body = {}) {
+export function send(trigger, body = {}) {
   sending.value = trigger;
+  const request = async () => {
+    const told = await deliver(trigger, withOverrides(trigger, body), standing());
+    if (told) overrides.value = {};
+    return told;
+  };
+  return remember(quiet.then(request).finally(() => sending.value === trigger && (sending.value = "")));
+}
+
+/**
+ * State a fact of the open case: it stands on no version and waits for nothing.
+ * @param {string} trigger
+ * @param {object} [body]
+ * @returns {Promise<any>} null where it was refused all the same
+ */
+export function tell(trigger, body = {}) {
+  return remember(deliver(trigger, body, {}));
+}
+
+/** @param {Promise<any>} said */
+function remember(said) {
+  quiet = Promise.allSettled([quiet, said]);
+  return said;
+}
+
+/** @param {string} trigger @param {object} body @param {Record<string, string>} headers */
+async function deliver(trigger, body, headers) {
   refusal.value = null;
+  const { case_id: caseId } = status.value;
   try {
-    const told = await deliver(`/cases/${status.value.case_id}/${trigger.replaceAll("_", "-")}`, withOverrides(trigger, body));
-    overrides.value = {};
-    await readStatus(status.value.case_id);
+    const told = await again(`/cases/${caseId}/${trigger.replaceAll("_", "-")}`, body, headers);
+    await readStatus(caseId);
     return told;
   } catch (refused) {
     noteRefusal(refused);
     refusal.value = { trigger, ...(/** @type {Refused} */ (refused).problem) };
-    readStatus(status.value.case_id);
+    await readStatus(caseId);
     return null;
-  } finally {
-    sending.value = "";
   }
 }
 
@@ -47,11 +74,11 @@ function withOverrides(trigger, body) {
 }
 
 /** Again under the same key while nobody answers: the service takes an intent once. */
-async function deliver(/** @type {string} */ path, /** @type {object} */ body) {
-  const headers = { "Idempotency-Key": newKey(), "If-Match": `"${status.value.version}"`, ...control() };
+async function again(/** @type {string} */ path, /** @type {object} */ body, /** @type {Record<string, string>} */ headers) {
+  const intent = { "Idempotency-Key": newKey(), ...headers };
   for (let tries = 1; ; tries += 1) {
     try {
-      return await post(path, body, headers);
+      return await post(path, body, intent);
     } catch (refused) {
       const unheard = refused instanceof Refused && refused.problem.status === 0;
       if (!unheard || tries === TRIES) throw refused;
@@ -61,8 +88,9 @@ async function deliver(/** @type {string} */ path, /** @type {object} */ body) {
   }
 }
 
-/** @returns {Record<string, string>} */
-function control() {
-  const token = status.value.lease.control_token;
-  return token === null ? {} : { "Control-Token": String(token) };
+/** What a request stands on: the version that was seen, and control where this tablet has it. @returns {Record<string, string>} */
+function standing() {
+  const { version, lease } = status.value;
+  const control = lease.control_token === null ? {} : { "Control-Token": String(lease.control_token) };
+  return { "If-Match": `"${version}"`, ...control };
 }

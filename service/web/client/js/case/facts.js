@@ -7,7 +7,7 @@ import { goTo } from "../room/room.js";
 import { session } from "../session.js";
 import { t } from "../words.js";
 import { allowance } from "./allowing.js";
-import { send } from "./commands.js";
+import { send, tell } from "./commands.js";
 import { Closing } from "./closing.js";
 import { status } from "./live.js";
 
@@ -48,7 +48,7 @@ export function FactsBar({ current }) {
 function Facts() {
   const say = (/** @type {string} */ trigger, /** @type {object} */ body) => {
     open.value = "";
-    send(trigger, body);
+    tell(trigger, body);
   };
   return html`<div class="facts">${FACTS.map(([name, trigger, body]) => html`<button class="button fact" data-fact=${name} onClick=${() => say(/** @type {string} */ (trigger), /** @type {object} */ (body))}>${t(`fact.${name}`)}</button>`)}</div>`;
 }
@@ -77,12 +77,12 @@ function More() {
   const note = async () => {
     open.value = "";
     const text = await askReason(t("note.title"), []);
-    if (text) await send("note", { text });
+    if (text) await tell("note", { text });
   };
   const abort = async () => {
     open.value = "";
     const reason = await askReason(t("abort.why"), ["patient_condition", "equipment", "wrong_case"]);
-    if (reason) await send("case_aborted", { reason });
+    if (reason) await tell("case_aborted", { reason });
   };
   const may = (/** @type {string} */ permission) => session.value?.permissions.includes(permission);
   return html`<div class="facts">

@@ -13,7 +13,7 @@ import { RefusalBanner } from "../parts/refusing.js";
 import { StopBar } from "../parts/stop.js";
 import { Waiting } from "../parts/controls.js";
 import { goTo } from "../room/room.js";
-import { keepAwake } from "../session.js";
+import { isHolding, keepAwake } from "../session.js";
 import { t } from "../words.js";
 import { CaseOpen } from "../screens/case_open.js";
 import { CarmPositioned } from "../screens/carm_positioned.js";
@@ -60,9 +60,10 @@ export function CaseFrame({ id }) {
     return () => keepAwake("state", false);
   }, [state]);
   useEffect(() => {
-    // What ended stays to be read; a plan that was not held is void with its state, or with its case.
+    // What ended stays to be read, and a button that is held is told how; a plan that was not held is void with its
+    // state, or with its case.
     const isLost = motion.value?.caseId !== id || OUT_OF_HAND.has(state);
-    if (motion.value && !motion.value.ended && isLost) dropMotion();
+    if (motion.value && !motion.value.ended && isLost && !isHolding.value) dropMotion();
     if (OUT_OF_HAND.has(state)) withdrawQuestion();
   }, [state, id]);
   if (!current) return html`<${Head} /><main class="screen"><${Waiting}>${t("connection.reading")}<//></main><${StopBar} />`;

@@ -32,8 +32,9 @@ export class Overlay {
     this.place = (/** @type {Point} */ pixel) => toScreen(view, stage, pixel);
   }
 
-  /** @param {any} found the service's overlay @param {Set<string>} shown */
-  draw(found, shown) {
+  /** @param {any} found the service's overlay @param {ReadonlySet<string>} shown @param {number} [opacity] */
+  draw(found, shown, opacity = 1) {
+    this.context.globalAlpha = opacity;
     if (shown.has("balls")) for (const ball of found.balls) this.circle(ball, 4, COLOURS.balls);
     if (shown.has("rings")) {
       this.path(found.wires.small_ring, COLOURS.rings);
@@ -42,17 +43,17 @@ export class Overlay {
     if (shown.has("line")) this.path(found.wires.line, COLOURS.line);
     if (shown.has("fiducials")) for (const point of Object.values(found.fiducials)) this.circle(point, 3, COLOURS.fiducials);
     if (shown.has("fiducials") && found.bead) this.circle(found.bead, 7, COLOURS.fiducials);
-    if (shown.has("path")) this.goal(found.goal);
+    if (shown.has("path")) this.ahead(found);
     if (shown.has("bounds")) this.path(found.bounds, COLOURS.bounds);
     if (shown.has("targets")) for (const target of found.targets) this.target(target);
+    this.context.globalAlpha = 1;
   }
 
-  /** Where the rings come after the motion. @param {any} goal */
-  goal(goal) {
+  /** Where the rings come after the motion, and the way of their middle. @param {any} found */
+  ahead({ goal, way }) {
     if (!goal.small_ring) return;
     this.context.setLineDash([7, 6]);
-    this.path(goal.small_ring, COLOURS.path);
-    this.path(goal.big_ring, COLOURS.path);
+    for (const line of [goal.small_ring, goal.big_ring, way]) this.path(line, COLOURS.path);
     this.context.setLineDash([]);
   }
 

@@ -13,23 +13,27 @@
 
 const WHEEL_STEP = 0.0015;
 
-/** @param {HTMLElement} element @param {Hands} hands @returns {() => void} */
+/**
+ * @param {HTMLElement} element
+ * @param {{current: Hands}} hands those of the newest drawing
+ * @returns {() => void}
+ */
 export function watchFingers(element, hands) {
   /** @type {Map<number, Point>} */
   const fingers = new Map();
   let isSingle = false;
 
   const at = (/** @type {PointerEvent|WheelEvent} */ event) => {
-    const box = element.getBoundingClientRect();
-    return /** @type {Point} */ ([event.clientX - box.left, event.clientY - box.top]);
+    const { left, top } = /** @type {HTMLCanvasElement} */ (element.querySelector("canvas")).getBoundingClientRect();
+    return /** @type {Point} */ ([event.clientX - left, event.clientY - top]);
   };
   const down = (/** @type {PointerEvent} */ event) => {
     if (event.target instanceof Element && event.target.closest("button")) return;
     element.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, at(event));
-    if (fingers.size > 1 && isSingle) hands.cancel();
+    if (fingers.size > 1 && isSingle) hands.current.cancel();
     isSingle = fingers.size === 1;
-    if (isSingle) hands.begin(at(event));
+    if (isSingle) hands.current.begin(at(event));
   };
   const move = (/** @type {PointerEvent} */ event) => {
     const before = fingers.get(event.pointerId);
@@ -37,18 +41,18 @@ export function watchFingers(element, hands) {
     const others = [...fingers].filter(([id]) => id !== event.pointerId).map(([, point]) => point);
     const now = at(event);
     fingers.set(event.pointerId, now);
-    if (isSingle) hands.drag(before, now);
-    else if (others.length === 1) hands.pinch(middle(before, others[0]), middle(now, others[0]), apart(now, others[0]) / apart(before, others[0]));
+    if (isSingle) hands.current.drag(before, now);
+    else if (others.length === 1) hands.current.pinch(middle(before, others[0]), middle(now, others[0]), apart(now, others[0]) / apart(before, others[0]));
   };
   const up = (/** @type {PointerEvent} */ event) => {
     if (!fingers.delete(event.pointerId) || !isSingle) return;
     isSingle = false;
-    if (event.type === "pointerup") hands.end(at(event));
-    else hands.cancel();
+    if (event.type === "pointerup") hands.current.end(at(event));
+    else hands.current.cancel();
   };
   const wheel = (/** @type {WheelEvent} */ event) => {
     event.preventDefault();
-    hands.pinch(at(event), at(event), Math.exp(-event.deltaY * WHEEL_STEP));
+    hands.current.pinch(at(event), at(event), Math.exp(-event.deltaY * WHEEL_STEP));
   };
 
   const ending = new AbortController();

@@ -15,6 +15,8 @@ const OPAQUE = 0xff000000;
 // The darkest and brightest pixels are collimator edges and unattenuated beam; nobody wants the window spent on them.
 const LOW_SHARE = 0.02;
 const HIGH_SHARE = 0.98;
+// A drag across the stage's width spans the image's grey levels once.
+const WINDOW_DRAG = 1;
 
 /** @param {Response} response of /images/{id}/pixels @returns {Promise<Raster>} */
 export async function readRaster(response) {
@@ -65,6 +67,22 @@ function levelAt(counts, rank) {
     if (seen > rank) return level;
   }
   return counts.length - 1;
+}
+
+/**
+ * The window after a finger's way over the stage: to the right widens it, upwards brightens.
+ * @param {Window} window
+ * @param {[number, number]} from
+ * @param {[number, number]} to
+ * @param {{width: number}} stage
+ * @param {number} bits of the image
+ * @returns {Window}
+ */
+export function rewindowed({ low, high }, from, to, stage, bits) {
+  const span = (WINDOW_DRAG * 2 ** bits) / stage.width;
+  const middle = (low + high) / 2 + (to[1] - from[1]) * span;
+  const half = Math.max(1, (high - low + (to[0] - from[0]) * span) / 2);
+  return { low: middle - half, high: middle + half };
 }
 
 /** Draws a raster through windows, again and again into the same memory. */

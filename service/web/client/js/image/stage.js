@@ -18,10 +18,39 @@ import { Overlay } from "./drawing.js";
 const BEHIND = "#000";
 const FONT = "600 16px system-ui, sans-serif";
 
+/**
+ * Keep a canvas over an element, from one whole device pixel to another: a pixel of its own is one of the screen's.
+ * @param {Element} element
+ * @param {HTMLCanvasElement} canvas
+ * @param {(size: Size) => void} then CSS pixels
+ * @returns {() => void}
+ */
+export function spread(element, canvas, then) {
+  const observer = new ResizeObserver(() => {
+    const { left, right, top, bottom } = element.getBoundingClientRect();
+    const size = { width: onDevice(right) - onDevice(left), height: onDevice(bottom) - onDevice(top) };
+    canvas.style.left = `${onDevice(left) - left}px`;
+    canvas.style.top = `${onDevice(top) - top}px`;
+    canvas.style.width = `${size.width}px`;
+    canvas.style.height = `${size.height}px`;
+    then(size);
+  });
+  observer.observe(element);
+  return () => observer.disconnect();
+}
+
+/** The whole device pixel next to an edge. @param {number} edge CSS pixels */
+function onDevice(edge) {
+  return Math.round(edge * devicePixelRatio) / devicePixelRatio;
+}
+
 /** @param {HTMLCanvasElement} canvas @param {Size} size CSS pixels @param {number} ratio device pixels for one of them */
 export function resize(canvas, size, ratio) {
-  canvas.width = Math.round(size.width * ratio);
-  canvas.height = Math.round(size.height * ratio);
+  const width = Math.round(size.width * ratio);
+  const height = Math.round(size.height * ratio);
+  // Setting them clears the canvas and takes its memory anew, the same numbers too.
+  if (canvas.width !== width) canvas.width = width;
+  if (canvas.height !== height) canvas.height = height;
 }
 
 /** @param {HTMLCanvasElement} canvas @param {Size} stage @param {Scene} scene */

@@ -41,6 +41,11 @@ export function toImage(view, stage, [x, y]) {
   return [view.centre[0] + u, view.centre[1] + v];
 }
 
+/** @param {Size} stage @returns {Point} */
+export function middleOf({ width, height }) {
+  return [width / 2, height / 2];
+}
+
 /** The image follows the fingers: what was under `from` comes under `to`. @param {View} view @param {Size} stage */
 export function moved(view, stage, /** @type {Point} */ from, /** @type {Point} */ to, factor = 1) {
   const held = toImage(view, stage, from);

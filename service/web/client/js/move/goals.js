@@ -19,8 +19,8 @@ const RETREAT_MM = 45;
 export function Motions({ kinds }) {
   const [kind, setKind] = useState(kinds[0]);
   const allowed = allowance("plan_requested");
-  if (wantsControl("plan_requested")) return html`<${TakeControl} />`;
   if (!allowed.allowed || !allowed.permitted) return html`<${Refusing} trigger="plan_requested" />`;
+  if (wantsControl("plan_requested")) return html`<${TakeControl} />`;
   const forms = { approach: Approach, nudge: Nudge, retreat: Retreat };
   return html`
     <div class="tabs" role="tablist">

@@ -14,20 +14,28 @@ export function MotionPanel() {
   if (!current) return null;
   return html`
     <h3>${t(`motion.${current.kind}`)}</h3>
-    <${PlanWords} plan=${current.plan} />
-    ${current.permitId ? html`<${Held} ...${current} />` : html`<${Approval} planned=${current} />`}
+    ${current.permitId ? html`<${PlanFigures} plan=${current.plan} /><${Held} ...${current} />` : html`<${PlanWords} plan=${current.plan} /><${Approval} planned=${current} />`}
   `;
 }
 
 /** @param {{plan: any}} props */
 export function PlanWords({ plan }) {
+  const { detectable_motion: detectable } = plan;
+  return html`
+    <p>${t("motion.words", { mm: number(plan.length_mm, 1), deg: number(plan.rotation_deg, 2), s: number(plan.duration_s, 1) })}</p>
+    <${PlanFigures} plan=${plan} />
+    ${detectable &&
+    html`<p class="note">${t("motion.detectable", { deg: number(detectable.rotation_deg, 2), across: number(detectable.across_mm, 1), along: number(detectable.along_mm, 1) })}</p>`}
+  `;
+}
+
+/** @param {{plan: any}} props */
+function PlanFigures({ plan }) {
   const nearest = plan.preview.reduce((/** @type {any} */ least, /** @type {any} */ piece) =>
     piece.clearance_mm < least.clearance_mm ? piece : least,
   );
   const predicted = plan.predicted_error_95;
-  const detectable = plan.detectable_motion;
   return html`
-    <p>${t("motion.words", { mm: number(plan.length_mm, 1), deg: number(plan.rotation_deg, 2), s: number(plan.duration_s, 1) })}</p>
     <${Figures} areTiles>
       <${Row} name=${t("motion.distance")} value=${number(plan.length_mm, 1)} unit="mm" />
       <${Row} name=${t("motion.rotation")} value=${number(plan.rotation_deg, 2)} unit="°" />
@@ -41,8 +49,6 @@ export function PlanWords({ plan }) {
       />
       <${Row} name=${t("motion.joint_margin")} value=${number(plan.joint_margin_deg, 0)} unit="°" />
     <//>
-    ${detectable &&
-    html`<p class="note">${t("motion.detectable", { deg: number(detectable.rotation_deg, 2), across: number(detectable.across_mm, 1), along: number(detectable.along_mm, 1) })}</p>`}
   `;
 }
 
@@ -73,8 +79,7 @@ function Held(/** @type {any} */ { permitId, permitUntilMs, plan }) {
   return html`
     <${HoldButton} permitId=${permitId} lengthMm=${plan.length_mm} onEnded=${endMotion} />
     ${!isUsed &&
-    html`<p class="note" role="status">${leftS > 0 ? t("motion.permit_left", { s: leftS }) : t("motion.permit_over")}</p>
-      <button class="button" onClick=${dropMotion}>${t("motion.drop")}</button>`}
+    html`<div class="permit"><p role="status">${leftS > 0 ? t("motion.permit_left", { s: leftS }) : t("motion.permit_over")}</p><button class="button" onClick=${dropMotion}>${t("motion.drop")}</button></div>`}
   `;
 }
 

@@ -1,6 +1,6 @@
 /** Questions that a hand in gloves answers: a PIN, a number, a reason. None of them ever covers the stop button. */
 
-import { html, signal, useState } from "../../vendor/preact.js";
+import { html, signal, useEffect, useRef, useState } from "../../vendor/preact.js";
 import { t } from "../words.js";
 
 /** The question asked now. @type {import("../../vendor/preact.js").Signal<any>} */
@@ -67,6 +67,9 @@ function NumberPad(/** @type {any} */ { answer, before }) {
  */
 export function Pad({ secret, longest, extra, hint = "", answer }) {
   const [text, setText] = useState("");
+  const box = useRef(/** @type {any} */ (null));
+  // Once: what is typed elsewhere on the screen draws this anew, and must not lose the focus to it.
+  useEffect(() => box.current.focus(), []);
   const press = (/** @type {string} */ key) => {
     if (key === "−") setText(text.startsWith("-") ? text.slice(1) : `-${text}`);
     else if (text.length < longest && !(key === "." && text.includes("."))) setText(text + key);
@@ -80,7 +83,7 @@ export function Pad({ secret, longest, extra, hint = "", answer }) {
     event.preventDefault();
   };
   const isWhole = secret ? text.length >= 4 : text !== "" && text !== "-" && Number.isFinite(Number(text));
-  return html`<div class="pad" tabindex="0" onKeyDown=${keyDown} ref=${(/** @type {HTMLElement|null} */ element) => element?.focus()}>
+  return html`<div class="pad" tabindex="0" onKeyDown=${keyDown} ref=${box}>
     <output class="pad-text">${secret ? "●".repeat(text.length) || " " : text || html`<small>${hint}</small>`}</output>
     <div class="pad-keys">
       ${["1", "2", "3", "4", "5", "6", "7", "8", "9"].map((key) => html`<button class="key" onClick=${() => press(key)}>${key}</button>`)}

@@ -29,7 +29,7 @@ export function Detail({ caseId, entry }) {
 function Seen({ caseId, entry }) {
   const path = `/cases/${caseId}/images/${entry.imageId}/overlay`;
   const found = useAnswer(entry.isRegistered ? path : null);
-  if (entry.before) return html`<${Compare} before=${entry.before} after=${entry.imageId} target=${found?.targets.at(-1) ?? null} />`;
+  if (entry.before) return html`<${Compare} ...${{ caseId, before: entry.before, after: entry.imageId, isAfterFound: entry.isRegistered }} target=${found?.targets.at(-1) ?? null} />`;
   return html`<${Viewer} imageId=${entry.imageId} found=${found} />`;
 }
 

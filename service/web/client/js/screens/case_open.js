@@ -7,6 +7,9 @@ import { Action, Waiting } from "../parts/controls.js";
 import { number, t } from "../words.js";
 import { Screen } from "./layout.js";
 
+// Half of the last digit that is shown.
+const LEAST_SAID_DEG = 0.05;
+
 /** @param {any} props */
 export function CaseOpen({ current, caseId }) {
   const open = Object.keys(current.targets).find((name) => current.targets[name] === "open");
@@ -50,6 +53,16 @@ function Angles({ caseId, name }) {
       <div><small>${t("carm.dial")}</small><b>${number(angles.rotation_from_vertical_deg, 1)}°</b></div>
       <div><small>${t("carm.tilt")}</small><b>${number(angles.tilt_deg, 1)}°</b></div>
     </div>
-    <p class="lead" lang="en">${angles.words}</p>
+    <p class="lead">${spoken(angles)}</p>
   </div>`;
+}
+
+/** Where the detector goes from straight above, as said aloud to the radiographer. @param {any} angles */
+function spoken({ primary_angle_deg: primary, rotation_from_vertical_deg: rotation, angulation_from_vertical_deg: angulation }) {
+  const ways = [
+    [rotation, primary > 0 ? "left" : "right"],
+    [angulation, angulation > 0 ? "head" : "feet"],
+  ].filter(([deg]) => Math.abs(deg) >= LEAST_SAID_DEG);
+  if (ways.length === 0) return t("carm.straight");
+  return t("carm.detector", { where: ways.map(([deg, side]) => t(`carm.towards_${side}`, { deg: number(Math.abs(deg), 1) })).join(t("carm.and")) });
 }

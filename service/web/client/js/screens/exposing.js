@@ -5,24 +5,41 @@ import { useAnswer } from "../case/artefacts.js";
 import { newest, status } from "../case/live.js";
 import { Action, Waiting } from "../parts/controls.js";
 import { NotUsed } from "../review/images.js";
-import { room } from "../room/room.js";
+import { goTo, room } from "../room/room.js";
 import { number, t, tOr } from "../words.js";
 
 const LOOK_EVERY_MS = 500;
 const OVER = ["image_arrived", "carm_position_confirmed", "retake", "arrived"];
 
+/** The exposure that is waited for: when it was asked for and its id; null if none is. */
+function waitedFor() {
+  const asked = newest("exposure_requested");
+  const over = newest(...OVER);
+  const isOver = !asked || (over && over.sequence > asked.sequence) || asked.state !== status.value.state;
+  return isOver ? null : { at: asked.recorded_at, id: asked.data.made.window };
+}
+
 /** Seconds that the exposure's window is still open; 0 if none is. */
+function windowLeftS() {
+  const waited = waitedFor();
+  if (!waited) return 0;
+  const ageS = (Date.now() - Date.parse(waited.at)) / 1000;
+  return Math.max(0, Math.ceil((room.value?.limits.exposure_window_s ?? 0) - ageS));
+}
+
+/** The id of the exposure's window while it is open. @returns {string|null} */
+export function openWindow() {
+  return windowLeftS() > 0 ? (waitedFor()?.id ?? null) : null;
+}
+
+/** Seconds that are left, counted down on the screen. */
 function useWindow() {
   const [, look] = useState(0);
   useEffect(() => {
     const every = setInterval(() => look((n) => n + 1), LOOK_EVERY_MS);
     return () => clearInterval(every);
   }, []);
-  const asked = newest("exposure_requested");
-  const over = newest(...OVER);
-  if (!asked || (over && over.sequence > asked.sequence) || asked.state !== status.value.state) return 0;
-  const ageS = (Date.now() - Date.parse(asked.recorded_at)) / 1000;
-  return Math.max(0, Math.ceil((room.value?.limits.exposure_window_s ?? 0) - ageS));
+  return windowLeftS();
 }
 
 /** @param {any} props */
@@ -47,8 +64,12 @@ export function Unusable() {
 
 /** An image that was quarantined, or came unasked. @param {{id: string}} props */
 function Stray({ id }) {
-  const image = useAnswer(`/images/${id}`);
-  return image && html`<div class="refusing"><${NotUsed} image=${image} /></div>`;
+  const image = useAnswer(`/images/${id}?at=${status.value.sequence}`, true);
+  if (!image) return null;
+  return html`<div class="refusing">
+    <${NotUsed} image=${image} />
+    <button class="button" onClick=${() => goTo("images", status.value.case_id)}><i class="icon icon-xray"></i><span>${t("images.title")}</span></button>
+  </div>`;
 }
 
 /** @param {{reason: any}} props */

@@ -1,7 +1,7 @@
 /** Held: the arm stands, nothing resumes by itself. A surgeon looks, says what is in the guide, and acknowledges. */
 
 import { html, useState } from "../../vendor/preact.js";
-import { send } from "../case/commands.js";
+import { tell } from "../case/commands.js";
 import { newest } from "../case/live.js";
 import { Action, Figures, Row } from "../parts/controls.js";
 import { people } from "../room/room.js";
@@ -16,7 +16,7 @@ export function Held({ current }) {
   // What nobody has said yet is said here; what was said is asked for once more and must agree.
   const say = (/** @type {string} */ one) => {
     setGuide(one);
-    if (current.guide === "unknown") send("guide_state_stated", { guide: one });
+    if (current.guide === "unknown") tell("guide_state_stated", { guide: one });
   };
   const cause = newest("stop", "fault", "restarted", "hold_requested", "sleeve_in", "patient_moved", "carm_moved");
   const { arm } = current;

@@ -1,7 +1,7 @@
 /** Step 8: the arm is locked; the sleeve goes in by hand. */
 
 import { html } from "../../vendor/preact.js";
-import { send } from "../case/commands.js";
+import { tell } from "../case/commands.js";
 import { Primary } from "../parts/controls.js";
 import { askReason } from "../parts/keypad.js";
 import { t } from "../words.js";
@@ -12,10 +12,10 @@ import { Screen } from "./layout.js";
 export function Inserting({ current }) {
   const cancel = async () => {
     const reason = await askReason(t("insertion.cancel_why"), ["skin_moved", "not_passing", "another_first"]);
-    if (reason) await send("insertion_cancelled", { reason });
+    if (reason) await tell("insertion_cancelled", { reason });
   };
   return html`<${Screen} state="inserting" seen=${html`<${LockedArm} current=${current} />`}>
-    <${Primary} icon="check" onPress=${() => send("sleeve_in")}>${t("fact.sleeve_in")}<//>
+    <${Primary} icon="check" onPress=${() => tell("sleeve_in")}>${t("fact.sleeve_in")}<//>
     <button class="button" onClick=${cancel}>${t("insertion.cancel")}</button>
   <//>`;
 }

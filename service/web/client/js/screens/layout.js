@@ -3,12 +3,12 @@
 import { html } from "../../vendor/preact.js";
 import { t } from "../words.js";
 
-/** @param {{state: string, seen?: any, children?: any}} props */
-export function Screen({ state, seen, children }) {
+/** @param {{state: string, lead?: string, seen?: any, children?: any}} props */
+export function Screen({ state, lead = t(`do_now.${state}`), seen, children }) {
   return html`
     <section class="doing" aria-labelledby="screen-title">
       <h2 id="screen-title">${t(`state.${state}`)}</h2>
-      <p class="lead">${t(`do_now.${state}`)}</p>
+      ${lead && html`<p class="lead">${lead}</p>`}
       ${children}
     </section>
     <div class="seen">${seen}</div>

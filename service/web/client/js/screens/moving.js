@@ -18,8 +18,12 @@ export function Moving({ current, caseId }) {
   const started = newest("move_started");
   const running = useArtefact(caseId, "plans", started?.data.plan_id);
   const seen = html`<${Viewer} imageId=${imageId} found=${found} />`;
-  return html`<${Screen} state=${stageOf(current.state)} seen=${seen}>
-    ${motion.value && !motion.value.ended
+  const isOwn = motion.value !== null && !motion.value.ended;
+  const stage = stageOf(current.state);
+  // The held button says it itself, and the plan's figures need the place.
+  const lead = isOwn && stage !== "planned" ? "" : t(`do_now.${stage}`);
+  return html`<${Screen} state=${stage} lead=${lead} seen=${seen}>
+    ${isOwn
       ? html`<${MotionPanel} />`
       : html`<${Waiting}>${t("moving.elsewhere")}<//>
           ${running && html`<${Figures}><${Row} name=${t("motion.distance")} value=${number(running.length_mm, 1)} unit="mm" /><${Row} name=${t("arm.speed")} value=${number(current.arm.tcp_speed_mm_s, 1)} unit="mm/s" /><//>`}`}

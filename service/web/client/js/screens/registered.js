@@ -45,21 +45,18 @@ export function Registered({ current, caseId }) {
 /** A picked point, and the service's answer to it. @param {string} caseId @param {string} imageId */
 export function usePicking(caseId, imageId) {
   const [picked, setPicked] = useState(/** @type {Point|null} */ (null));
-  const [echo, setEcho] = useState(/** @type {any} */ (null));
-  const [told, setTold] = useState(/** @type {any} */ (null));
+  const [answered, setAnswered] = useState(/** @type {any} */ ({ picked: null, echo: null, told: null }));
   const view = useRef(/** @type {any} */ (null));
   useEffect(() => {
-    if (!picked) return;
+    if (!picked) return undefined;
     let isNewest = true;
-    setEcho(null);
-    setTold(null);
     const asking = setTimeout(async () => {
       try {
         const drawn = await post(`/cases/${caseId}/target-echo`, { image_id: imageId, pixel_px: picked, space: "raw" });
-        if (isNewest) setEcho(drawn);
+        if (isNewest) setAnswered({ picked, echo: drawn, told: null });
       } catch (refused) {
         noteRefusal(refused);
-        if (isNewest) setTold(/** @type {Refused} */ (refused).problem);
+        if (isNewest) setAnswered({ picked, echo: null, told: /** @type {Refused} */ (refused).problem });
       }
     }, ASK_AFTER_MS);
     return () => {
@@ -72,6 +69,8 @@ export function usePicking(caseId, imageId) {
     const [du, dv] = stepInImage(view.current, step, NUDGE_PX);
     setPicked([picked[0] + du, picked[1] + dv]);
   };
+  // What was understood of an earlier point says nothing of this one.
+  const { echo, told } = answered.picked === picked ? answered : { echo: null, told: null };
   const offPx = echo && picked ? Math.hypot(echo.raw_px[0] - picked[0], echo.raw_px[1] - picked[1]) : null;
   const isSure = offPx !== null && offPx <= ECHO_WITHIN_PX;
   return { picked, pick: setPicked, echo, told, nudge, offPx, isSure, setView: (/** @type {any} */ seen) => (view.current = seen) };

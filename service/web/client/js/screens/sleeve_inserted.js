@@ -2,7 +2,7 @@
 
 import { html } from "../../vendor/preact.js";
 import { allowance } from "../case/allowing.js";
-import { send } from "../case/commands.js";
+import { send, tell } from "../case/commands.js";
 import { Action, Other, Primary } from "../parts/controls.js";
 import { askReason } from "../parts/keypad.js";
 import { t } from "../words.js";
@@ -19,8 +19,8 @@ export function SleeveInserted({ current }) {
   };
   return html`<${Screen} state="sleeve_inserted" seen=${html`<${LockedArm} current=${current} />`}>
     ${out
-      ? html`<${Primary} icon="check" onPress=${() => send("sleeve_removed", { guide: "empty" })}>${t("fact.sleeve_removed")}<//>
-          <button class="button" onClick=${() => send("sleeve_removed", { guide: "wire" })}>${t("fact.sleeve_removed_wire")}</button>`
+      ? html`<${Primary} icon="check" onPress=${() => tell("sleeve_removed", { guide: "empty" })}>${t("fact.sleeve_removed")}<//>
+          <button class="button" onClick=${() => tell("sleeve_removed", { guide: "wire" })}>${t("fact.sleeve_removed_wire")}</button>`
       : html`<${Action} trigger="target_done" icon="check" body=${{ placed: true }}>${t("done.placed")}<//>
           <${Other} trigger="target_done" onPress=${giveUp}>${t("done.not_placed")}<//>`}
   <//>`;
