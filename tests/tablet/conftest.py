@@ -10,17 +10,22 @@ import pytest
 from playwright.sync_api import Browser, ConsoleMessage, Request, sync_playwright
 from rich.console import Console
 
+from benchmarks.recorded_cases import Results, compute
 from coaxial_client import Case
+from service.auth.permissions import Role
+from service.settings import Settings
 from simulator.demo.stage import Stage, open_stage
 from simulator.demo.telling import Teller
 from tests.service.conftest import RunningService
 from tests.tablet.hand import Hand
 from tests.tablet.quiet_room import QuietRoom, closed_case
 from tests.tablet.tablet import Tablet
+from workflow.states import State
 
 _CHROMIUM = "/usr/bin/chromium"
 _SCREEN = {"width": 1280, "height": 800}
 _LOOK_EVERY_S = 0.1
+_FIRST_SCREEN_MS = 90_000.0  # a machine's patience; how soon it is there is measured by make tablet-speed
 _NICENESS = -15  # so that even image work, which stands back by 10, comes first
 PEDICLE = "L3-left"
 
@@ -80,6 +85,7 @@ def open_tablet(browser: Browser) -> Iterator[Callable[..., Tablet]]:
     def open_at(url: str, **differing: object) -> Tablet:
         context = browser.new_context(**{"has_touch": True, "viewport": _SCREEN, "locale": "en-GB"} | differing)
         page = context.new_page()
+        page.set_default_navigation_timeout(_FIRST_SCREEN_MS)
         tablet = Tablet(page, Hand(page), url)
         page.on("request", lambda request: _note_request(tablet, request))
         page.on("console", lambda message: _note_message(tablet, message))
@@ -125,12 +131,44 @@ def case(stage: Stage) -> Iterator[Case]:
         yield opened
 
 
+@pytest.fixture(scope="session")
+def results() -> Results:
+    """What a case's record holds; computed once, for it takes longer than a test."""
+    return compute(Settings())
+
+
 @pytest.fixture(scope="module")
-def recorded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[RunningService, str]]:
-    with closed_case(tmp_path_factory.mktemp("quiet")) as up:
+def recorded(tmp_path_factory: pytest.TempPathFactory, results: Results) -> Iterator[tuple[RunningService, str]]:
+    with closed_case(tmp_path_factory.mktemp("quiet"), results) as up:
         yield up
 
 
 @pytest.fixture
 def room(recorded: tuple[RunningService, str], open_tablet: Callable[..., Tablet]) -> QuietRoom:
     return QuietRoom(*recorded, open_tablet)
+
+
+@pytest.fixture
+def open_case(room: QuietRoom) -> Iterator[str]:
+    """A case in the quiet room, aborted after the test."""
+    yield room.open_case()
+    room.abort_case()
+
+
+@pytest.fixture
+def procedure(room: QuietRoom) -> Iterator[QuietRoom]:
+    """The quiet room, whose recorded case is put into states that it had; closed again after the test."""
+    yield room
+    room.put(State.CLOSED)
+
+
+@pytest.fixture
+def at_the_case(procedure: QuietRoom) -> Callable[..., Tablet]:
+    """A tablet of the surgeon's at the recorded case."""
+
+    def go(**differing: object) -> Tablet:
+        tablet = procedure.tablet_of(Role.SURGEON, **differing)
+        tablet.page.goto(f"{tablet.url}/#case/{procedure.case_id}")
+        return tablet
+
+    return go

@@ -9,10 +9,18 @@ import pytest
 from playwright.sync_api import Page
 from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
-from tests.tablet.hand import Hand, Point
+from tests.tablet.hand import GoneError, Hand, Point
 
 _TRIES = 5
 _ANSWERED_MS = 5000.0
+# Whether a finger hits an element at its corners and in its middle.
+IS_ON_TOP = """(selector) => {
+    const element = document.querySelector(selector);
+    const { left, right, top, bottom } = element.getBoundingClientRect();
+    const places = [[left + 6, top + 6], [right - 6, top + 6], [left + 6, bottom - 6],
+        [right - 6, bottom - 6], [(left + right) / 2, (top + bottom) / 2]];
+    return places.every(([x, y]) => element.contains(document.elementFromPoint(x, y)));
+}"""
 
 
 @dataclass
@@ -56,8 +64,9 @@ class Tablet:
         for _ in range(_TRIES):
             if not held.is_visible():
                 return
-            self.press("Acknowledge")
-            with suppress(PlaywrightTimeoutError):
+            # the arm may be read, or lost, just as the finger comes down
+            with suppress(PlaywrightTimeoutError, GoneError):
+                self.press("Acknowledge")
                 held.wait_for(state="hidden", timeout=_ANSWERED_MS)
         pytest.fail("the hold cannot be left")
 
@@ -67,14 +76,17 @@ class Tablet:
         self.hand.tap(words)
         self.page.locator(".facts").wait_for(state="hidden")
 
+    def settle(self) -> None:
+        """Two frames: what was measured in the first is drawn in the second."""
+        self.page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
     def screen_of(self, pixel_px: Point) -> Point:
         """Where an image pixel is on the glass, by the page's own record of its view and geometry written anew here."""
-        box = self.page.locator(".stage-image").first.bounding_box()
-        assert box is not None
         view = self.page.locator(".stage-image").first
+        box = view.locator("canvas").first.bounding_box()
+        assert box is not None
         scale, angle_rad, u0, v0 = (float(value) for value in (view.get_attribute("data-view") or "").split())
         offset = complex(pixel_px[0] - u0, pixel_px[1] - v0) * complex(math.cos(angle_rad), math.sin(angle_rad)) * scale
-        # the stage has a border of one CSS pixel all around
         return box["x"] + box["width"] / 2 + offset.real, box["y"] + box["height"] / 2 + offset.imag
 
     def pick(self, pixel_px: Point) -> None:
@@ -84,7 +96,7 @@ class Tablet:
         self.page.wait_for_function(
             "before => document.querySelector('[data-picked]')?.dataset.picked !== before", arg=before
         )
-        self.page.get_by_role("button", name="Confirm this target").wait_for()
+        self.page.locator("[data-understood]").wait_for()
 
     def picked_px(self) -> Point:
         """The picked pixel as the screen has it, all its digits."""

@@ -1,24 +1,21 @@
 """The screens outside a procedure: a new case, the record of a past one, what the engineer looks after."""
 
 import json
-from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from io import BytesIO
-from typing import Any
 from uuid import uuid4
 
-import pytest
+import numpy as np
 from axe_playwright_python.sync_playwright import Axe
+from PIL import Image
 from pydicom import dcmread
 from pydicom.uid import generate_uid
 
 from service.auth.permissions import Role
 from tests.service.conftest import PIN
 from tests.tablet.picture import take_picture
-from tests.tablet.quiet_room import QuietRoom
 from tests.tablet.tablet import Tablet
 
-_PATH = {"entry_mm": [32.0, 85.0, 12.0], "target_mm": [20.0, 40.0, 4.0]}
 _MARKUPS = {
     "markups": [
         {
@@ -29,18 +26,20 @@ _MARKUPS = {
         }
     ]
 }
+_SCHEDULED = {
+    "patient_id": "P2",
+    "patient_name": "Doe^Jane",
+    "birth_date": "1961-05-04",
+    "sex": "F",
+    "study_uid": "1.2.4",
+    "accession_number": "A1",
+    "description": "Pedicle screws",
+    "scheduled_at": "2026-11-22T08:00:00",
+    "station": "OR1",
+}
 
 
-@pytest.fixture
-def open_case(room: QuietRoom) -> Iterator[str]:
-    """A case of patient P1, aborted after the test."""
-    body = {"patient_id": "P1", "study_uid": "1.2.3", "targets": [_PATH | {"name": "L3-left"}]}
-    with room.running.client() as client:
-        yield client.post("/cases", json=body, headers={"Idempotency-Key": uuid4().hex}).json()["id"]
-    _abort(room)
-
-
-def test_a_plan_from_3d_slicer_opens_a_case(room):
+def test_a_plan_from_3d_slicer_and_the_worklist_open_a_case(room):
     tablet = room.tablet_of(Role.SURGEON)
     page, hand = tablet.page, tablet.hand
     hand.tap("New case")
@@ -49,19 +48,22 @@ def test_a_plan_from_3d_slicer_opens_a_case(room):
     assert page.locator("input[aria-invalid=true]").count() == 9
     _choose(tablet, "spine.mrk.json", json.dumps(_MARKUPS))
     page.get_by_text("spine.mrk.json: 1 planned paths").wait_for()
+    page.route("**/api/worklist", lambda route: route.fulfill(json=[_SCHEDULED]))  # a hospital's, asked for by DICOM
+    hand.tap("From the worklist")
+    hand.tap("Doe Jane")
     take_picture(page, "new_case")
-    page.get_by_label("Patient id").fill("P2")
-    page.get_by_label("Study UID").fill("1.2.4")
     hand.tap("Supine")
     hand.tap("Open the case")
     tablet.is_at("case_open")
-    planned = _abort(room)["planned_targets"]["L3-left"]
+    opened = room.abort_case()
+    planned = opened["planned_targets"]["L3-left"]
+    assert (opened["patient_id"], opened["study_uid"]) == ("P2", "1.2.4")
     assert planned["entry_mm"] == [-32.25, -85.1, 12.0]
     assert planned["target_mm"] == [-20.0, -40.0, 4.0]
     assert planned["position"] == "supine"
 
 
-def test_a_quarantined_image_is_seen_with_the_reason(room, open_case):
+def test_a_quarantined_image_is_seen_with_the_reason_and_called_a_scout(room, open_case):
     with room.running.client() as client:
         earlier = client.get(f"/images?case={room.case_id}").json()[0]["id"]
         stranger = _of_another_patient(client.get(f"/images/{earlier}/original").content)
@@ -75,6 +77,9 @@ def test_a_quarantined_image_is_seen_with_the_reason(room, open_case):
     assert "P9" in tablet.page.locator(".entry-line").inner_text()
     assert "another patient's image" in tablet.page.locator(".detail").inner_text()
     tablet.page.locator(".review-seen canvas").wait_for()
+    tablet.hand.tap("It is a scout")
+    tablet.hand.tap("The C-arm still had another name")
+    tablet.page.locator(".entry-line", has_text="Scout").wait_for()
     assert tablet.page.get_by_role("button", name="Emergency access").is_visible()
     tablet.hand.tap("Lock")
     tablet.page.get_by_role("heading", name="Locked").wait_for()
@@ -82,6 +87,18 @@ def test_a_quarantined_image_is_seen_with_the_reason(room, open_case):
     tablet.hand.enter(PIN)
     tablet.hand.tap("Back")
     tablet.is_at("case_open")
+
+
+def test_an_image_that_names_nobody_waits_until_somebody_says_whose_it_is(room, open_case):
+    picture = BytesIO()
+    Image.fromarray(np.random.default_rng(3).integers(0, 65536, (300, 280), dtype=np.uint16)).save(picture, "PNG")
+    with room.running.client() as client:
+        client.post("/images", content=picture.getvalue(), headers={"Content-Type": "image/png"}).raise_for_status()
+    tablet = room.tablet_of(Role.OPERATOR)
+    tablet.page.evaluate(f"location.hash = 'images/{open_case}'")
+    tablet.page.locator(".entry-line", has_text="Nobody has decided").wait_for()
+    tablet.hand.tap("Of P1: another exposure")
+    tablet.page.locator(".entry-line", has_text="Not used").wait_for()
 
 
 def test_the_engineer_makes_the_daily_check_and_is_told_what_failed(room):
@@ -176,14 +193,3 @@ def _soon() -> str:
 
 def _faults_by_axe(tablet: Tablet) -> list[str]:
     return [one["id"] for one in Axe().run(tablet.page).response["violations"]]
-
-
-def _abort(room: QuietRoom) -> dict[str, Any]:
-    """End the open case; what it was."""
-    with room.running.client() as client:
-        case = client.get(f"/cases/{client.get('/status').json()['open_case']}").json()
-        client.post(
-            f"/cases/{case['id']}/case-aborted", json={"reason": "test"}, headers={"Idempotency-Key": uuid4().hex}
-        )
-        assert client.get("/status").json()["open_case"] is None
-    return case

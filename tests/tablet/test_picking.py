@@ -1,0 +1,151 @@
+"""H08: the pixel under the finger is the one that the service understands, at every zoom, pan, turn and pixel ratio."""
+
+import io
+import math
+from collections.abc import Callable, Iterator
+
+import cv2
+import numpy as np
+import pydicom
+import pytest
+
+from service.auth.permissions import Role
+from tests.tablet.quiet_room import QuietRoom
+from tests.tablet.tablet import Tablet
+from workflow.states import State
+
+_WITHIN_PX = 0.5
+_SEEN_WITHIN = 1.0  # device pixels: the browser draws at the nearest
+_TAPS = 6
+_HALF = 110  # CSS pixels of the patch that is compared around a point
+
+
+@pytest.fixture
+def at_the_image(at_the_case: Callable[..., Tablet], procedure: QuietRoom) -> Callable[[float], Tablet]:
+    """A tablet of some pixel ratio, at the image in which the target is picked."""
+    procedure.put(State.REGISTERED, target=None, verification=None)
+
+    def open_at(ratio: float) -> Tablet:
+        tablet = at_the_case(device_scale_factor=ratio)
+        tablet.is_at("registered")
+        tablet.page.locator(".stage-parts").wait_for()  # what comes with the overlay makes the stage smaller
+        tablet.settle()
+        return tablet
+
+    return open_at
+
+
+@pytest.fixture
+def pixels(at_the_image: Callable[[float], Tablet], procedure: QuietRoom) -> np.ndarray:
+    """The image as it arrived."""
+    with procedure.running.client(Role.OPERATOR) as client:
+        status = client.get(f"/cases/{procedure.case_id}/status").json()
+        original = client.get(f"/images/{status['chain']['image']}/original").content
+    return np.asarray(pydicom.dcmread(io.BytesIO(original)).pixel_array, dtype=np.float32)
+
+
+def _change_view(tablet: Tablet, random: np.random.Generator) -> None:
+    """Zoomed, shifted and turned, by fingers and buttons."""
+    tablet.hand.tap("Whole")
+    for _ in range(int(random.integers(0, 12))):
+        tablet.hand.tap("Turn the view right")
+    middle = tablet.hand.middle_of(tablet.page.locator(".stage-image"))
+    shift = tuple(float(value) for value in random.uniform(-80.0, 80.0, 2))
+    tablet.hand.pinch(middle, float(random.uniform(0.7, 4.0)), shift=(shift[0], shift[1]))
+    tablet.settle()
+
+
+def _points_in_sight(tablet: Tablet, pixels: np.ndarray, random: np.random.Generator) -> Iterator[tuple[float, float]]:
+    """Image points well inside both image and stage."""
+    box = tablet.page.locator(".stage-image").bounding_box()
+    assert box is not None
+    rows, columns = pixels.shape
+    while True:
+        u_px, v_px = float(random.uniform(20, columns - 20)), float(random.uniform(20, rows - 20))
+        x, y = tablet.screen_of((u_px, v_px))
+        if box["x"] + 20 < x < box["x"] + box["width"] - 20 and box["y"] + 20 < y < box["y"] + box["height"] - 20:
+            yield u_px, v_px
+
+
+@pytest.mark.parametrize(
+    "ratio", [2.625, *(pytest.param(ratio, marks=pytest.mark.lengthy) for ratio in (1.0, 1.5, 2.0))]
+)
+def test_a_tap_is_understood_where_it_was_made(at_the_image, pixels, ratio):
+    tablet, random = at_the_image(ratio), np.random.default_rng(int(ratio * 1000))
+    for _ in range(_TAPS):
+        _change_view(tablet, random)
+        wanted = next(_points_in_sight(tablet, pixels, random))
+        tablet.pick(wanted)
+        assert math.dist(tablet.picked_px(), wanted) <= _WITHIN_PX
+        assert math.dist(tablet.understood_px(), wanted) <= _WITHIN_PX
+
+
+@pytest.mark.lengthy
+@pytest.mark.parametrize("ratio", [1.0, 1.5, 2.0])
+def test_what_is_seen_at_a_place_is_the_pixel_of_that_place(at_the_image, pixels, ratio):
+    """The picture on the glass against the image as it arrived, warped by the view in OpenCV."""
+    tablet, random = at_the_image(ratio), np.random.default_rng(7)
+    for part in tablet.page.locator(".stage-parts .chip").all():
+        if part.get_attribute("aria-pressed") == "true":
+            tablet.hand.tap(part)
+    for _ in range(3):
+        _change_view(tablet, random)
+        middle = tablet.hand.middle_of(tablet.page.locator(".stage-image"))
+        aside = _shift(_seen(tablet, middle, ratio), _expected(tablet, pixels, middle, ratio))
+        assert np.linalg.norm(aside) <= _SEEN_WITHIN
+
+
+def test_an_arrow_moves_the_point_by_a_quarter_pixel(at_the_image):
+    tablet = at_the_image(1.0)
+    tablet.hand.tap("Whole")
+    tablet.pick((500.0, 500.0))
+    before = tablet.picked_px()
+    tablet.hand.tap("Right by a quarter pixel")
+    tablet.hand.tap("Down by a quarter pixel")
+    after = tablet.picked_px()
+    assert after == pytest.approx((before[0] + 0.25, before[1] + 0.25), abs=1e-9)
+
+
+def test_a_second_finger_moves_the_image_and_not_the_point(at_the_image):
+    tablet = at_the_image(1.0)
+    middle = tablet.hand.middle_of(tablet.page.locator(".stage-image"))
+    tablet.pick((500.0, 500.0))
+    before = tablet.picked_px()
+    tablet.hand.pinch((middle[0] + 50.0, middle[1]), 2.0)
+    assert tablet.picked_px() == before
+
+
+def _corner(middle: tuple[float, float], ratio: float) -> np.ndarray:
+    """The patch's first device pixel."""
+    return np.floor((np.array(middle) - _HALF) * ratio)
+
+
+def _seen(tablet: Tablet, middle: tuple[float, float], ratio: float) -> np.ndarray:
+    shot = cv2.imdecode(np.frombuffer(tablet.page.screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
+    (left, top), side = _corner(middle, ratio).astype(int), round(2 * _HALF * ratio)
+    return np.asarray(shot[top : top + side, left : left + side], dtype=np.float32)
+
+
+def _expected(tablet: Tablet, pixels: np.ndarray, middle: tuple[float, float], ratio: float) -> np.ndarray:
+    """Grey levels at the centre of each device pixel of the patch."""
+    corners = [(0.0, 0.0), (200.0, 0.0), (0.0, 200.0)]
+    on_glass = np.array([tablet.screen_of(corner) for corner in corners])
+    # Device pixel k covers CSS (k .. k + 1) / ratio, so its centre is at (k + 0.5) / ratio.
+    in_patch = on_glass * ratio - _corner(middle, ratio) - 0.5
+    warp = cv2.getAffineTransform(np.float32(corners), np.float32(in_patch))
+    side = round(2 * _HALF * ratio)
+    return cv2.warpAffine(pixels, warp, (side, side), flags=cv2.INTER_LINEAR)
+
+
+def _shift(seen: np.ndarray, expected: np.ndarray) -> np.ndarray:
+    """Device pixels by which the one lies beside the other."""
+    moved = np.eye(2, 3, dtype=np.float32)
+    likeness, moved = cv2.findTransformECC(_detail(expected), _detail(seen), moved, cv2.MOTION_TRANSLATION)
+    assert likeness > 0.5, "the two pictures are not of the same place"
+    return np.asarray(moved[:, 2], dtype=np.float64)
+
+
+def _detail(patch: np.ndarray) -> np.ndarray:
+    """What is sharp in it, in its own units: the window's contrast does not matter."""
+    detail = patch - cv2.GaussianBlur(patch, (0, 0), 12.0)
+    return np.float32(detail / max(float(detail.std()), 1e-6))

@@ -1,0 +1,73 @@
+"""What a tablet offers in every state of a case, seen at a recorded one that is put into them."""
+
+import pytest
+
+from service.auth.permissions import Role
+from tests.service.conftest import PIN
+from tests.tablet.tablet import IS_ON_TOP
+from workflow.states import State
+
+_FACTS = 9
+_LONGER_THAN_THE_LOCK = "00:20:00"
+_LOOKED_MS = 2500  # more than two looks of the page at its clock
+_A_FACT_AND_AT_ONCE_A_REQUEST = """() => import('/js/case/commands.js').then(({ tell, send }) =>
+    Promise.all([tell('guide_state_stated', { guide: 'wire' }), send('hold_requested', { reason: 'test' })]))"""
+
+
+@pytest.mark.parametrize(
+    "states", [(State.MOVING, State.SLEEVE_INSERTED), pytest.param(tuple(State), marks=pytest.mark.lengthy)]
+)
+def test_facts_stop_and_the_way_to_the_pendant_are_one_tap_away(procedure, at_the_case, states):
+    procedure.put(states[0], held_for="stop")
+    tablet = at_the_case()
+    for state in states:
+        procedure.put(state)
+        tablet.is_at(state)
+        for within_reach in (".stop", ".emergency", ".bar [aria-expanded]"):
+            assert tablet.page.evaluate(IS_ON_TOP, within_reach), state
+        tablet.hand.tap("State a fact")
+        assert tablet.page.locator(".fact").count() == _FACTS
+        tablet.hand.tap("State a fact")
+
+
+def test_an_untouched_tablet_locks_and_never_while_the_arm_moves(procedure, at_the_case):
+    procedure.put(State.MOVING)
+    tablet = at_the_case()
+    tablet.page.clock.install()
+    tablet.page.reload()
+    tablet.is_at(State.MOVING)
+    tablet.page.clock.fast_forward(_LONGER_THAN_THE_LOCK)
+    tablet.page.wait_for_timeout(_LOOKED_MS)
+    assert not tablet.page.get_by_role("heading", name="Locked").is_visible()
+    procedure.put(State.MOVED)
+    tablet.is_at(State.MOVED)
+    tablet.page.clock.fast_forward(_LONGER_THAN_THE_LOCK)
+    tablet.page.get_by_role("heading", name="Locked").wait_for()
+    tablet.hand.enter(PIN)
+    tablet.is_at(State.MOVED)
+
+
+def test_a_request_right_behind_a_fact_is_made_on_what_the_fact_left(room, open_case):
+    tablet = room.tablet_of(Role.SURGEON)
+    tablet.press("Enter the case")
+    tablet.is_at(State.CASE_OPEN)
+    tablet.page.evaluate(_A_FACT_AND_AT_ONCE_A_REQUEST)
+    tablet.is_at(State.SAFE_HOLD)
+
+
+def test_a_point_is_picked_and_moved_by_keys(procedure, at_the_case):
+    procedure.put(State.REGISTERED, target=None, verification=None)
+    tablet = at_the_case()
+    tablet.page.locator(".stage-parts").wait_for()
+    tablet.page.locator(".stage-image").focus()
+    for key in ("Enter", "+", "+", "ArrowLeft", "ArrowUp"):
+        tablet.page.keyboard.press(key)
+    tablet.page.locator("[data-understood]").wait_for()
+    picked_px = tablet.picked_px()
+    assert tablet.understood_px() == pytest.approx(picked_px, abs=0.5)
+    tablet.page.get_by_role("button", name="Right by a quarter pixel").press("Enter")
+    tablet.page.wait_for_function(
+        "before => document.querySelector('[data-picked]').dataset.picked !== before",
+        arg=f"{picked_px[0]},{picked_px[1]}",
+    )
+    assert tablet.picked_px() == pytest.approx((picked_px[0] + 0.25, picked_px[1]), abs=1e-6)
