@@ -126,7 +126,7 @@ def _in_the_case(browser: Browser, stage: Stage, case: Case) -> Page:
     page.evaluate(_SIGN_IN, [person.name, person.pin])
     page.goto(f"{stage.url}/#case/{case.id}")
     page.reload()
-    page.locator("main[data-state=carm_positioned]").wait_for()
+    page.locator("main[data-state]").wait_for()
     page.evaluate(_WATCH)
     return page
 
@@ -151,7 +151,6 @@ def _image(page: Page, team: Team) -> float:
     page.wait_for_function("arrived => window.firstDrawn.at(-1) > arrived", arg=arrived_s)
     drawn_s = min(at_s for at_s in page.evaluate("window.firstDrawn") if at_s > arrived_s)
     await_event(team.surgeon, after, ("registration_completed", "registration_refused"), _RESULT_WITHIN_S)
-    page.locator("main[data-state=carm_positioned]").wait_for()
     return float(drawn_s - arrived_s)
 
 
