@@ -77,6 +77,17 @@ export function plain(value) {
   return value === null || value === undefined ? "–" : tOr(`value.${String(value).replaceAll(" ", "_")}`, String(value));
 }
 
+// Radians are the service's, degrees a person's.
+const DEG_PER_RAD = 180 / Math.PI;
+
+/** What was measured beside its limit. @param {any} measured @param {any} limit @param {string} [unit] of numbers */
+export function againstLimit(measured, limit, unit = "") {
+  const shown = unit.replace(/^rad/, "°");
+  const factor = shown === unit ? 1 : DEG_PER_RAD;
+  const words = (/** @type {any} */ value) => (typeof value === "number" ? `${plain(value * factor)} ${shown}`.trim() : plain(value));
+  return t("refused.measured", { measured: words(measured), limit: words(limit) });
+}
+
 /** @param {string} at ISO time */
 export function clock(at) {
   return new Date(at).toLocaleTimeString(language.value, CLOCK);

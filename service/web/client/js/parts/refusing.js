@@ -4,11 +4,13 @@ import { html } from "../../vendor/preact.js";
 import { allowance } from "../case/allowing.js";
 import { refusal } from "../case/commands.js";
 import { Override } from "../case/overriding.js";
-import { plain, t, tOr } from "../words.js";
+import { againstLimit, t, tOr } from "../words.js";
 
 /** Every reason of the status against one request. @param {{trigger: string}} props */
 export function Refusing({ trigger }) {
-  const { permitted, reasons, leads_onwards: onwards } = allowance(trigger);
+  const { permitted, reasons, leads_onwards } = allowance(trigger);
+  // Where a request leads to itself, only its reasons are in the way.
+  const onwards = leads_onwards.filter((one) => one !== trigger);
   if (!permitted) return html`<div class="refusing"><p>${t("refused.role", { what: t(`trigger.${trigger}`) })}</p></div>`;
   return html`<div class="refusing" role="status">
     <h3>${t("refused.not_now", { what: t(`trigger.${trigger}`) })}</h3>
@@ -26,7 +28,7 @@ function Reason({ overridable, ...reason }) {
 export function Why({ code, message, measured, limit, unit, children }) {
   return html`<li>
     <span>${tOr(`code.${code}`, message)}</span>
-    ${measured !== null && measured !== undefined && html`<small>${t("refused.measured", { measured: plain(measured), limit: plain(limit), unit: unit ?? "" })}</small>`}
+    ${measured !== null && measured !== undefined && html`<small>${againstLimit(measured, limit, unit)}</small>`}
     ${children}
   </li>`;
 }
@@ -41,7 +43,7 @@ export function RefusalBanner() {
       <p class="title">${failed.length > 0 ? t("refused.not_now", { what: t(`trigger.${told.trigger}`) }) : tOr(`code.${told.code}`, told.detail)}</p>
       ${failed.length > 0
         ? html`<ul>${failed.map((/** @type {any} */ one) => html`<${Reason} ...${one} />`)}</ul>`
-        : told.measured != null && html`<p>${t("refused.measured", { measured: plain(told.measured), limit: plain(told.limit), unit: "" })}</p>`}
+        : told.measured != null && html`<p>${againstLimit(told.measured, told.limit)}</p>`}
       <p class="onwards">${tOr(`do.${told.code}`, told.what_to_do)}</p>
     </div>
     <button class="button" onClick=${() => (refusal.value = null)}>${t("close")}</button>

@@ -6,7 +6,7 @@ import { newest, status } from "../case/live.js";
 import { Action, Waiting } from "../parts/controls.js";
 import { NotUsed } from "../review/images.js";
 import { goTo, room } from "../room/room.js";
-import { number, t, tOr } from "../words.js";
+import { againstLimit, t, tOr } from "../words.js";
 
 const LOOK_EVERY_MS = 500;
 const OVER = ["image_arrived", "carm_position_confirmed", "retake", "arrived"];
@@ -77,7 +77,7 @@ function Why({ reason }) {
   return html`<div class="refusing">
     <h3>${t("exposing.refused")}</h3>
     <p>${tOr(`code.${reason.code}`, reason.message)}</p>
-    ${reason.measured != null && html`<small>${t("refused.measured", { measured: number(reason.measured, 3), limit: number(reason.limit, 3), unit: "" })}</small>`}
+    ${reason.measured != null && html`<small>${againstLimit(reason.measured, reason.limit)}</small>`}
     <p class="onwards">${tOr(`do.${reason.code}`, "")}</p>
   </div>`;
 }
