@@ -177,6 +177,8 @@ def _of_another_patient(content: bytes) -> bytes:
     image, file = dcmread(BytesIO(content)), BytesIO()
     image.PatientID, image.SOPInstanceUID = "P9", generate_uid()
     image.file_meta.MediaStorageSOPInstanceUID = image.SOPInstanceUID
+    # the same pixels, or the same time, would have come before
+    image.PixelData, image.AcquisitionDate = image.pixel_array[::-1].tobytes(), "20991231"
     image.save_as(file)
     return file.getvalue()
 
