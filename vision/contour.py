@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 _TUKEY = 4.685  # standard deviations beyond which an observation has no weight; 95 % efficient on clean data
 _LEAST_WEIGHT = 1e-6  # so that a place without weight keeps a finite variance
 _FIRST_NOISE_PX = 0.3
-_REWEIGHTINGS, _ROUGH_REWEIGHTINGS = 4, 2
+_REWEIGHTINGS, _ROUGH_REWEIGHTINGS, _LATER_REWEIGHTINGS = 4, 2, 2  # the last where earlier weights are known
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +61,14 @@ class ContourFit:
     map: DistortionMap
 
 
-def fit_contour(view: View, guide: Guide, observations: Observations, priors: Priors, plate: PlateFit) -> ContourFit:
+def fit_contour(
+    view: View,
+    guide: Guide,
+    observations: Observations,
+    priors: Priors,
+    plate: PlateFit,
+    before: "ContourFit | None" = None,
+) -> ContourFit:
     """Solve for the view.
 
     Parameters
@@ -74,6 +81,8 @@ def fit_contour(view: View, guide: Guide, observations: Observations, priors: Pr
         From the device files.
     plate : PlateFit
         The distortion map and its uncertainty, which all observations share.
+    before : ContourFit or None
+        An earlier fit to the same places on the wires: what it tells of their worth is the start.
 
     Returns
     -------
@@ -81,7 +90,7 @@ def fit_contour(view: View, guide: Guide, observations: Observations, priors: Pr
         With covariance; nothing here is judged.
     """
     places, bend = Places.of(observations), _Bend.of(observations, plate)
-    found = _reweighted(view, guide, places, priors, bend, _REWEIGHTINGS)
+    found = _reweighted(view, guide, places, priors, bend, _LATER_REWEIGHTINGS if before else _REWEIGHTINGS, before)
     view, guide, covariance = found.view, found.guide, found.covariance
     inverse = np.asarray(np.linalg.inv(places.information(view, guide, priors, covariance)), dtype=np.float64)
     pulls_sd = priors.pulls(view, guide)
@@ -118,15 +127,24 @@ class _Reweighted:
 
 
 def _reweighted(
-    view: View, guide: Guide, places: Places, priors: Priors, bend: "_Bend", reweightings: int
+    view: View,
+    guide: Guide,
+    places: Places,
+    priors: Priors,
+    bend: "_Bend",
+    reweightings: int,
+    before: ContourFit | None = None,
 ) -> _Reweighted:
-    """Solutions in turn with what they tell of each place's worth."""
+    """Solutions in turn with what they tell of each place's worth, which an earlier one may have told."""
     observations = places.observations
     width_px = guide.wire_diameter_mm * view.intrinsics.alpha_x_px / float(view.source_from_guide[2, 3])
     neighbours = Neighbours.of(observations.wire, observations.measured, SHARED_OVER * width_px)
     weight, residual = np.ones(len(observations.along)), np.zeros(len(observations.along))
     noise = WireNoise(np.full(len(weight), _FIRST_NOISE_PX), 0.0)
-    covariance = PlaceCovariance.of(noise, neighbours, weight, bend.root)
+    if before is not None:
+        weight, residual = before.weight, before.residual_px
+        noise = WireNoise.measured(residual, observations.sd_px, weight > 0.0, neighbours)
+    covariance = PlaceCovariance.of(noise, neighbours, np.maximum(weight, _LEAST_WEIGHT), bend.root)
     for _ in range(reweightings):
         view, guide = solve_view(view, guide, places, priors, covariance)
         residual = bend.corrected_residual(places.residual_px(view, guide), covariance)

@@ -1,6 +1,6 @@
 """What one image says about the wires near a view: their places piece by piece, line ends, the bead's centre."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,6 +134,16 @@ def measure(
     uncrossed = _uncrossed(pieces.samples, sample_wires(view, guide), scene)
     single = _single_points(view, guide, ends, bead)
     return _accepted(pieces.samples, uncrossed, offsets, _FARTHEST_PIECE * scene.reader.reach_px, single)
+
+
+def with_single_points(
+    observations: Observations, view: View, guide: Guide, ends: list[LineEnd], bead: BeadCentre | None
+) -> Observations:
+    """The places, and these single points instead of others; arguments as of `measure`."""
+    in_guide, measured, normals, sd_px = _single_points(view, guide, ends, bead)
+    return replace(
+        observations, extra_in_guide=in_guide, extra_measured=measured, extra_normals=normals, extra_sd_px=sd_px
+    )
 
 
 def _ran_away(view: View, guide: Guide, scene: Scene) -> Refusal | None:

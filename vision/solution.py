@@ -12,7 +12,7 @@ from vision.contour import ContourFit, fit_contour, fit_roughly
 from vision.devices import Guide
 from vision.first_pose import FirstView
 from vision.line_ends import LineEnd, measure_line_ends
-from vision.measuring import FAINTEST, Measured, Scene, bead_sd_px, find, measure, shadows_in
+from vision.measuring import FAINTEST, Measured, Scene, bead_sd_px, find, measure, shadows_in, with_single_points
 from vision.priors import VIEW_PARAMETERS
 from vision.projection import View, project, projection_jacobian
 from vision.refusal import Refusal
@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 
 _ROUGH_ROUNDS = 2  # at most
 _FAR_PX = 3.0  # from where it was looked for: a wire so far away is looked for once more
+_LINEAR_PX = 0.2  # from where its pieces were cut: a shadow's shift is linear so far, to some thousandths of a pixel
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,11 +39,12 @@ class Solution:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Round:
-    """A fit and what it was fitted to."""
+    """A fit, what it was fitted to, and how far it took the wires from where these were cut into pieces, px."""
 
     fit: ContourFit
     measured: Measured
     line_ends: list[LineEnd]
+    moved_px: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,10 +83,12 @@ def _with_bead(last: Round, scene: Scene) -> Solution | Refusal:
     if isinstance(bead, Refusal):
         return bead
     evidence, centre = bead
-    measured = measure(last.fit.view, last.fit.guide, scene, last.measured.amplitude, last.line_ends, centre)
+    again = last.moved_px > _LINEAR_PX
+    measured = _with_centre(last, scene, centre, again)
     if isinstance(measured, Refusal):
         return measured
-    fit = fit_contour(last.fit.view, last.fit.guide, measured.observations, scene.priors, scene.plate)
+    view, guide, before = last.fit.view, last.fit.guide, None if again else last.fit
+    fit = fit_contour(view, guide, measured.observations, scene.priors, scene.plate, before)
     refusal = (
         gates.check_residual(fit)
         or gates.check_pulls(fit)
@@ -92,6 +96,14 @@ def _with_bead(last: Round, scene: Scene) -> Solution | Refusal:
         or gates.check_tilt(fit.view)
     )
     return refusal or Solution(fit, _on_corrected_map(measured.observations, fit, scene), last.line_ends, evidence)
+
+
+def _with_centre(last: Round, scene: Scene, centre: BeadCentre | None, again: bool) -> Measured | Refusal:
+    """What was measured, the bead's centre and the line's ends as they are now beside it; or all of it again."""
+    view, guide, ends = last.fit.view, last.fit.guide, last.line_ends
+    if again:
+        return measure(view, guide, scene, last.measured.amplitude, ends, centre)
+    return replace(last.measured, observations=with_single_points(last.measured.observations, view, guide, ends, centre))
 
 
 def _on_corrected_map(observations: Observations, fit: ContourFit, scene: Scene) -> Observations:
@@ -116,7 +128,8 @@ def _refined(first: FirstView, scene: Scene) -> Round | Refusal:
     if isinstance(measured, Refusal):
         return measured
     fit = fit_contour(view, guide, measured.observations, scene.priors, scene.plate)
-    return Round(fit, measured, _line_ends(fit.view, fit.guide, scene, measured.amplitude))
+    moved_px = _moved_px(measured.observations, (view, guide), (fit.view, fit.guide))
+    return Round(fit, measured, _line_ends(fit.view, fit.guide, scene, measured.amplitude), moved_px)
 
 
 def _line_ends(view: View, guide: Guide, scene: Scene, amplitude: float) -> list[LineEnd]:
