@@ -54,14 +54,14 @@ class Shadows:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pieces:
-    """Pixels by piece: (s, p) each, padded with weight 0; p is the number of pixels of the fullest piece.
+    """Pixels by piece: (s, p) each, padded with nothing of weight 0; p is the number of pixels of the fullest piece.
 
     Attributes
     ----------
     samples : WireSamples
         (s,): the pieces' middles.
     design : Array
-        (s, p, 10): the unknowns' effects, see `_COUNT`.
+        (s, 10, p): the unknowns' effects, see `_COUNT`.
     values, weight : Array
         (s, p): absorption, and the pixels' worth.
     reach_px : Array
@@ -77,12 +77,13 @@ class Pieces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Wires:
-    """What all three bands share: the image's part, its corrected pixels on demand, the wires' profiles and masks."""
+    """What all three bands share: the image's part, its corrected pixels (2, n), the wires' profiles and masks."""
 
     view: View
     guide: Guide
     plate: PlateFit
     window: Window
+    corrected: Array
     profiles: dict[Wire, Profile]
     width_px: dict[Wire, float]
     masks: dict[Wire, NDArray[np.uint8]]
@@ -104,19 +105,19 @@ def cut_pieces(view: View, guide: Guide, plate: PlateFit, values: NDArray[np.flo
         Of this image.
     """
     wires = _laid_out(view, guide, plate, values, shadows)
-    seen = wires.window.cut(values)
-    crossing = _balls(wires, shadows)
+    seen, crossing = wires.window.cut(values).ravel(), _balls(wires, shadows).ravel()
     alongs: list[Array] = []
-    rows: list[tuple[Array, Array, Array, NDArray[np.intp]]] = []
+    bands: list[_Band] = []
     for wire in Wire:
-        middles, piece, design, pixels = _band(wires, wire, crossing)
-        weight = np.exp(-shadows.depth * design[:, 0])  # quanta are fewer behind the wire
-        rows.append((design, seen[pixels].astype(np.float64), weight, piece + sum(map(len, alongs))))
+        middles, band = _band(wires, wire, sum(map(len, alongs)))
         alongs.append(middles)
-    design, flat, weight, piece = (np.concatenate(parts) for parts in zip(*rows, strict=True))
+        bands.append(band)
+    pixel, piece = (np.concatenate([getattr(band, name) for band in bands]) for name in ("pixel", "piece"))
+    rows = np.concatenate([band.rows for band in bands], axis=1)
+    rows = np.vstack((rows, crossing[pixel], seen[pixel], np.exp(-shadows.depth * rows[0])))  # fewer quanta behind it
     samples = samples_at(view, guide, alongs)
-    reach_px = _REACH * np.array([wires.width_px[Wire(wire)] for wire in samples.wire])
-    return Pieces(samples, *_padded(piece, len(samples.along), design, flat, weight), reach_px)
+    reach_px = np.repeat([_REACH * wires.width_px[wire] for wire in Wire], [len(along) for along in alongs])
+    return _in_pieces(samples, _padded(piece, len(samples.along), rows), reach_px)
 
 
 def _laid_out(view: View, guide: Guide, plate: PlateFit, values: NDArray[np.float32], shadows: Shadows) -> _Wires:
@@ -137,7 +138,8 @@ def _laid_out(view: View, guide: Guide, plate: PlateFit, values: NDArray[np.floa
         thickness = 2 * int(np.ceil(_REACH * widths[wire])) + 3
         cv2.polylines(mask, [path], wire is not Wire.LINE, (1,), thickness)
         masks[wire] = mask
-    return _Wires(view, guide, plate, window, profiles, widths, masks, shadows.blur_px)
+    corrected = plate.map.corrected_window(window.left, window.top, window.columns, window.rows).reshape(2, -1)
+    return _Wires(view, guide, plate, window, corrected, profiles, widths, masks, shadows.blur_px)
 
 
 def _balls(wires: _Wires, shadows: Shadows) -> Array:
@@ -168,26 +170,37 @@ def _near_bands(wires: _Wires, balls_raw: Array, profile: Profile) -> Array:
     return np.asarray(balls_raw[inside & (reached[np.where(inside, v, 0), np.where(inside, u, 0)] > 0)])
 
 
-def _band(
-    wires: _Wires, wire: Wire, crossing: Array
-) -> tuple[Array, NDArray[np.intp], Array, tuple[NDArray[np.intp], NDArray[np.intp]]]:
-    """One wire's band: middles of its pieces (s,); each pixel's piece (n,), design (n, 10), place in the window."""
-    found = cv2.findNonZero(wires.masks[wire])
-    u, v = np.asarray(found if found is not None else np.zeros((0, 1, 2)), dtype=np.intp)[:, 0].T
-    corrected = wires.plate.map.corrected_from_raw(np.column_stack((u + wires.window.left, v + wires.window.top)))
-    at = feet(wires.view, wires.guide, wire, corrected)
+@dataclass(frozen=True, slots=True, eq=False)
+class _Band:
+    """Pixels of one wire's band.
+
+    Attributes
+    ----------
+    pixel, piece : NDArray[np.intp]
+        (n,) each: place in the window, row by row; number of the piece.
+    rows : Array
+        (5, n): the shadow's height and its derivative by the shift; distances across and along, in units of the reach;
+        what other wires add.
+    """
+
+    pixel: NDArray[np.intp]
+    piece: NDArray[np.intp]
+    rows: Array
+
+
+def _band(wires: _Wires, wire: Wire, first_piece: int) -> tuple[Array, _Band]:
+    """Middles (s,) of one wire's pieces, and their pixels."""
+    pixel = np.flatnonzero(wires.masks[wire])
+    corrected = wires.corrected[:, pixel]
+    at = feet(wires.view, wires.guide, wire, corrected.T)
     reach_px = _REACH * wires.width_px[wire]
     middles, piece, from_middle = _divided(wires, wire, at.along, float(np.median(at.speed_px)))
-    inside = (np.abs(at.distance_px) < reach_px) & (piece >= 0)
-    d, piece, u, v = at.distance_px[inside], piece[inside], u[inside], v[inside]
+    inside = np.flatnonzero((np.abs(at.distance_px) < reach_px) & (piece >= 0))
+    d, along, pixel = at.distance_px[inside], (from_middle * at.speed_px)[inside] / reach_px, pixel[inside]
     profile = wires.profiles[wire]
-    across, along = d / reach_px, (from_middle * at.speed_px)[inside] / reach_px
-    design = np.empty((len(d), _COUNT))
-    design[:, 0], design[:, 1] = profile.heights(d), -profile.slopes(d)
-    design[:, GROUND] = np.column_stack((np.ones_like(d), across, along, across * along, across**2, across**3))
-    design[:, 8] = crossing[v, u]
-    design[:, 9] = _others(wires, wire, corrected[inside], u, v)
-    return middles, piece, design, (v, u)
+    others = _others(wires, wire, corrected[:, inside], pixel)
+    rows = np.stack((profile.heights(d), -profile.slopes(d), d / reach_px, along, others))
+    return middles, _Band(pixel, piece[inside] + first_piece, rows)
 
 
 def _divided(wires: _Wires, wire: Wire, along: Array, speed_px: float) -> tuple[Array, NDArray[np.intp], Array]:
@@ -207,13 +220,13 @@ def _divided(wires: _Wires, wire: Wire, along: Array, speed_px: float) -> tuple[
     return middles, piece, along - middles[piece]
 
 
-def _others(wires: _Wires, wire: Wire, corrected: Array, u: NDArray[np.intp], v: NDArray[np.intp]) -> Array:
-    """Shadows (n,) of the other two wires at one wire's pixels."""
-    total = np.zeros(len(corrected))
-    for other in Wire:
-        both = np.flatnonzero(wires.masks[other][v, u]) if other is not wire else np.zeros(0, dtype=np.intp)
+def _others(wires: _Wires, wire: Wire, corrected: Array, pixel: NDArray[np.intp]) -> Array:
+    """Shadows (n,) of the other two wires at one wire's pixels, corrected (2, n)."""
+    total = np.zeros(len(pixel))
+    for other in (other for other in Wire if other is not wire):
+        both = np.flatnonzero(wires.masks[other].ravel()[pixel])
         if len(both):
-            at = feet(wires.view, wires.guide, other, corrected[both])
+            at = feet(wires.view, wires.guide, other, corrected[:, both].T)
             shadow = wires.profiles[other].heights(at.distance_px)
             if other is Wire.LINE:
                 sd_mm = np.sqrt(2.0) * wires.blur_px / at.speed_px
@@ -223,16 +236,19 @@ def _others(wires: _Wires, wire: Wire, corrected: Array, u: NDArray[np.intp], v:
     return total
 
 
-def _padded(
-    piece: NDArray[np.intp], count: int, design: Array, values: Array, weight: Array
-) -> tuple[Array, Array, Array]:
-    """Pixels ordered by piece, all pieces as long as the longest: design (s, p, 10), values and weight (s, p)."""
+def _padded(piece: NDArray[np.intp], count: int, rows: Array) -> Array:
+    """Rows (k, n) of pixels by their pieces, all as long as the longest: (k + 1, s, p), the last 1 where a pixel is."""
     order = np.argsort(piece, kind="stable")
     sizes = np.bincount(piece, minlength=count)
-    place = np.arange(len(piece)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-    row = piece[order]
     longest = int(sizes.max(initial=1))
-    designs = np.zeros((count, longest, _COUNT))
-    padded, weights = np.zeros((count, longest)), np.zeros((count, longest))
-    designs[row, place], padded[row, place], weights[row, place] = design[order], values[order], weight[order]
-    return designs, padded, weights
+    slot = np.arange(len(piece)) + np.repeat(longest * np.arange(count) - np.cumsum(sizes) + sizes, sizes)
+    padded = np.zeros((len(rows) + 1, count * longest))
+    padded[:-1, slot], padded[-1, slot] = rows[:, order], 1.0
+    return padded.reshape(len(padded), count, longest)
+
+
+def _in_pieces(samples: WireSamples, padded: Array, reach_px: Array) -> Pieces:
+    """The pieces of what `_padded` put in order."""
+    height, derivative, across, along, others, crossing, values, weight, there = padded
+    columns = (height, derivative, there, across, along, across * along, across**2, across**3, crossing, others)
+    return Pieces(samples, np.stack(columns, axis=1), values, weight, reach_px)

@@ -63,6 +63,15 @@ class DistortionMap:
         points = np.asarray(points, dtype=np.float64)
         return points + legendre.evaluate(self._grid, self._normalised(points))
 
+    def corrected_window(self, left: int, top: int, columns: int, rows: int) -> Array:
+        """Corrected pixels (2, rows, columns), u and v, of a window of raw pixels that begins at column `left`."""
+        u, v = left + np.arange(columns, dtype=np.float64), top + np.arange(rows, dtype=np.float64)
+        x, y = ((axis - middle) / self.half_size_px for axis, middle in zip((u, v), self.centre_px, strict=True))
+        corrected = legendre.evaluate_on_grid(self._grid, x, y)
+        corrected[0] += u
+        corrected[1] += v[:, None]
+        return corrected
+
     def raw_from_corrected(self, points: Array) -> Array:
         """Raw pixels (n, 2) of corrected pixels (n, 2): by a polynomial, then corrected by what it misses.
 

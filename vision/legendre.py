@@ -28,6 +28,12 @@ def evaluate(grid: Array, points: Array) -> Array:
     return np.asarray(np.einsum("kin,in->nk", along_y, x))
 
 
+def evaluate_on_grid(grid: Array, x: Array, y: Array) -> Array:
+    """The polynomials of `evaluate` (k, rows, columns) at every x (columns,) with every y (rows,)."""
+    along_x, along_y = (np.vander(axis, grid.shape[1], increasing=True) for axis in (x, y))
+    return np.asarray((along_y @ grid.transpose(0, 2, 1)) @ along_x.T)
+
+
 def differentiate(grid: Array, points: Array) -> Array:
     """Derivatives (n, k, 2) by x and y of the polynomials of `evaluate`."""
     x, y = _powers(points, grid.shape[1] - 1)

@@ -59,11 +59,12 @@ def measure_offsets(pieces: Pieces, expected: float, blur_px: float) -> Offsets:
     spread = (_ROBUST * np.median(np.abs(solved[:, ground]), axis=0)) ** 2
     by_noise = usual * np.median(np.diagonal(inverse, axis1=1, axis2=2)[:, ground], axis=0)
     held[:, ground, ground] += usual / np.maximum(spread - by_noise, _LEAST_VARIANCE)
-    inverse = np.asarray(np.linalg.inv(held), dtype=np.float64)
-    solved = (inverse @ sums.wanted[:, :, None])[:, :, 0]
+    by_shift = np.zeros_like(sums.wanted)
+    by_shift[:, 1] = 1.0
+    solved, by_shift = np.moveaxis(np.linalg.solve(held, np.stack((sums.wanted, by_shift), axis=2)), 2, 0)
     noise = sums.noise(solved)
     noise = (noise * sums.pixels + np.median(noise) * _USUAL_PIXELS) / (sums.pixels + _USUAL_PIXELS)
-    return _offsets(pieces, inverse, solved, noise, blur_px)
+    return _offsets(pieces, solved, noise * by_shift[:, 1], blur_px)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,10 +86,10 @@ class _Sums:
 
     @classmethod
     def of(cls, pieces: Pieces) -> "_Sums":
-        weighted = (pieces.design * pieces.weight[:, :, None]).transpose(0, 2, 1)
+        weighted = pieces.design * pieces.weight[:, None, :]
         wanted = (weighted @ pieces.values[:, :, None])[:, :, 0]
         energy = (pieces.weight * pieces.values**2).sum(axis=1)
-        return cls(weighted @ pieces.design, wanted, energy, np.maximum((pieces.weight > 0.0).sum(axis=1), 1))
+        return cls(weighted @ pieces.design.transpose(0, 2, 1), wanted, energy, np.maximum((pieces.weight > 0.0).sum(axis=1), 1))
 
     def noise(self, solved: Array) -> Array:
         """Variance (s,) at a pixel of weight 1 that unknowns (s, 10) leave."""
@@ -97,15 +98,15 @@ class _Sums:
         return np.asarray(np.maximum(left, 0.0) / np.maximum(self.pixels - solved.shape[1], 1))
 
 
-def _offsets(pieces: Pieces, inverse: Array, solved: Array, noise: Array, blur_px: float) -> Offsets:
+def _offsets(pieces: Pieces, solved: Array, variance: Array, blur_px: float) -> Offsets:
+    """Of the solved unknowns (s, 10) and the variance (s,) of the second."""
     amplitude = solved[:, 0]
     measurable = amplitude > 0.0
     safe = np.where(measurable, amplitude, 1.0)
     # the detector blurs intensity: on a slope the wire's shadow moves towards the dense side by slope times variance
     slope_per_px = solved[:, GROUND.start + 1] / pieces.reach_px / DISPLAY_GAMMA
     offset_px = solved[:, 1] / safe - slope_per_px * (blur_px**2 + PIXEL_VARIANCE)
-    variance = noise * inverse[:, 1, 1] / safe**2
-    left = pieces.values - (pieces.design @ solved[:, :, None])[:, :, 0]
+    left = pieces.values - (solved[:, None] @ pieces.design)[:, 0]
     seen = pieces.weight > 0.0
     misfit = np.sqrt((left**2 * seen).sum(axis=1) / np.maximum(seen.sum(axis=1), 1))
-    return Offsets(offset_px, np.where(measurable, np.sqrt(variance), np.inf), amplitude, misfit)
+    return Offsets(offset_px, np.where(measurable, np.sqrt(variance) / safe, np.inf), amplitude, misfit)

@@ -63,11 +63,12 @@ def nominal_intrinsics(carm: CArm, rows: int, columns: int, pixel_size_mm: float
 
 def project(view: View, points_in_guide: Array) -> Array:
     """Corrected pixels (n, 2) of points (n, 3) in the guide frame, mm; eq. (1)."""
-    in_source = points_in_guide @ view.source_from_guide[:3, :3].T + view.source_from_guide[:3, 3]
     intrinsics = view.intrinsics
-    u = intrinsics.alpha_x_px * in_source[:, 0] / in_source[:, 2] + intrinsics.u0_px
-    v = intrinsics.alpha_y_px * in_source[:, 1] / in_source[:, 2] + intrinsics.v0_px
-    return np.column_stack((u, v))
+    x, y, z = view.source_from_guide[:3, :3] @ points_in_guide.T + view.source_from_guide[:3, 3:]
+    seen = np.empty((len(points_in_guide), 2))
+    seen[:, 0] = intrinsics.alpha_x_px * x / z + intrinsics.u0_px
+    seen[:, 1] = intrinsics.alpha_y_px * y / z + intrinsics.v0_px
+    return seen
 
 
 def projection_jacobian(view: View, points_in_guide: Array, directions: Array) -> Array:

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from vision.devices import Guide
 from vision.priors import Priors
@@ -197,7 +197,7 @@ _SCALES = np.array([10.0, 10.0, 5.0, 5.0, 2e-3, 2e-3, 2e-3, 0.5, 0.5, 3.0, 0.02,
 def _moved(view: View, guide: Guide, step: Array) -> tuple[View, Guide]:
     """A step of the 13 parameters, the pose's applied on the left in the source frame."""
     intrinsics, pose = view.intrinsics, view.source_from_guide.copy()
-    pose[:3, :3] = Rotation.from_rotvec(step[4:7]).as_matrix() @ pose[:3, :3]
+    pose[:3, :3] = cv2.Rodrigues(step[4:7])[0] @ pose[:3, :3]
     pose[:3, 3] += step[7:10]
     moved = replace(
         intrinsics,

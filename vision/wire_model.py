@@ -148,42 +148,55 @@ def feet(view: View, guide: Guide, wire: Wire, points: Array) -> Feet:
     """
     pose, z_mm = view.source_from_guide, -guide.separation_mm if wire is Wire.BIG_RING else 0.0
     image_from_plane = view.intrinsics.matrix() @ np.column_stack((pose[:3, :2], pose[:3, 2] * z_mm + pose[:3, 3]))
-    wanted = np.ascontiguousarray(points.T)
-    plane_from_image = np.linalg.inv(image_from_plane)
-    in_plane = plane_from_image[:, :2] @ wanted + plane_from_image[:, 2:]
-    place, way = np.ones_like(in_plane), np.zeros_like(in_plane)
-    place[:2] = in_plane[:2] / in_plane[2]
+    u, v = np.ascontiguousarray(points.T)
+    x, y, _, _ = _carried(np.linalg.inv(image_from_plane), u, v, 0.0, 0.0)
     if wire is Wire.LINE:
-        along, place[1], way[0] = place[0].copy(), 0.0, 1.0
+        along = x
+        step, _, _ = _from_foot(image_from_plane, u, v, x, 0.0, 1.0, 0.0)
+        _, distance_px, speed_px = _from_foot(image_from_plane, u, v, x + step, 0.0, 1.0, 0.0)
     else:
         radius_mm = guide.small_ring_radius_mm if wire is Wire.SMALL_RING else guide.big_ring_radius_mm
-        along = np.arctan2(place[1], place[0])
-        place[:2] *= radius_mm / np.hypot(place[0], place[1])
-        way[0], way[1] = -place[1], place[0]
-    near, tangents = _imaged(image_from_plane, place, way)
-    step = ((wanted - near) * tangents).sum(axis=0) / (tangents**2).sum(axis=0)
-    if wire is Wire.LINE:
-        place[0] += step
-    else:
-        place[:2], way[:2] = _turned(place[:2], way[:2], step)
-    near, tangents = _imaged(image_from_plane, place, way)
-    speed_px = np.hypot(tangents[0], tangents[1])
-    away = wanted - near
-    return Feet(along + step, (away[1] * tangents[0] - away[0] * tangents[1]) / speed_px, speed_px)
+        along, onto_ring = np.arctan2(y, x), radius_mm / np.sqrt(x * x + y * y)
+        x, y = x * onto_ring, y * onto_ring
+        step, _, _ = _from_foot(image_from_plane, u, v, x, y, -y, x)
+        x, y = _turned(x, y, step)
+        _, distance_px, speed_px = _from_foot(image_from_plane, u, v, x, y, -y, x)
+    return Feet(along + step, distance_px, speed_px)
 
 
-def _imaged(image_from_plane: Array, place: Array, way: Array) -> tuple[Array, Array]:
-    """Corrected pixels (2, n) of places (3, n) in a plane, and their derivatives (2, n) along the ways (3, n)."""
-    seen, moves = image_from_plane @ place, image_from_plane @ way
-    near = seen[:2] / seen[2]
-    return near, (moves[:2] - near * moves[2]) / seen[2]
+def _from_foot(
+    image_from_plane: Array, u: Array, v: Array, x: Array, y: Array | float, way_x: Array | float, way_y: Array | float
+) -> tuple[Array, Array, Array]:
+    """Of points (n,) from places (n,) in a plane whose wire runs along a way there, (n,) each.
+
+    How far along the way, in units of it, the foot lies; the points' distance across it, px; the way's length, px.
+    """
+    near_u, near_v, along_u, along_v = _carried(image_from_plane, x, y, way_x, way_y)
+    away_u, away_v = u - near_u, v - near_v
+    square = along_u * along_u + along_v * along_v
+    speed_px = np.sqrt(square)
+    return (
+        (away_u * along_u + away_v * along_v) / square,
+        (away_v * along_u - away_u * along_v) / speed_px,
+        speed_px,
+    )
 
 
-def _turned(place: Array, way: Array, angle_rad: Array) -> tuple[Array, Array]:
-    """Places on a circle (2, n) and the ways along it (2, n) after small turns (n,), to the fourth order."""
-    square = angle_rad**2
+def _carried(
+    matrix: Array, x: Array, y: Array | float, way_x: Array | float, way_y: Array | float
+) -> tuple[Array, Array, Array, Array]:
+    """Places (n,) of a plane under a homography (3, 3), and the derivatives (n,) along the ways there."""
+    (a, b, c), (d, e, f), (g, h, i) = matrix.tolist()
+    depth, deeper = g * x + h * y + i, g * way_x + h * way_y
+    u, v = (a * x + b * y + c) / depth, (d * x + e * y + f) / depth
+    return u, v, (a * way_x + b * way_y - u * deeper) / depth, (d * way_x + e * way_y - v * deeper) / depth
+
+
+def _turned(x: Array, y: Array, angle_rad: Array) -> tuple[Array, Array]:
+    """Places (n,) on a circle about the origin after small turns (n,), to the fourth order."""
+    square = angle_rad * angle_rad
     cosine, sine = 1.0 - square / 2.0, angle_rad * (1.0 - square / 6.0)
-    return place * cosine + way * sine, way * cosine - place * sine
+    return x * cosine - y * sine, y * cosine + x * sine
 
 
 def _across(tangents: Array) -> Array:

@@ -7,10 +7,12 @@ no matrix of all places is ever made.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
+from scipy.linalg import solve_triangular
+from scipy.linalg.lapack import dpttrf, dpttrs
 
 Array = NDArray[np.float64]
 
@@ -24,7 +26,7 @@ _GREATEST_SQUARE = 22.0  # about Tukey's 4.685 standard deviations squared: what
 _USUAL_PLACES = 2.0  # how many places of the usual scatter stand beside the neighbours': some five of them differ
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)  # without slots: what follows from the fields is kept
 class Neighbours:
     """Places in their order along the wires.
 
@@ -44,6 +46,7 @@ class Neighbours:
         alike = np.where(wire[1:] == wire[:-1], np.exp(-step_px / length_px), 0.0)
         return cls(np.minimum(alike, _GREATEST_ALIKE))
 
+    @cached_property
     def pairs(self) -> list[Array]:
         """Correlations of places 1, 2, ... apart, those too small to tell anything as 0."""
         found, far = [], self.alike
@@ -53,21 +56,20 @@ class Neighbours:
         return found
 
     def around(self, values: Array) -> Array:
-        """Sums (n,) of the others' values (n,), by their correlation."""
-        total = np.zeros(len(values))
-        for apart, alike in enumerate(self.pairs(), 1):
-            total[:-apart] += alike * values[apart:]
-            total[apart:] += alike * values[:-apart]
+        """Sums (..., n) of the others' values (..., n), by their correlation."""
+        total = np.zeros(values.shape)
+        for apart, alike in enumerate(self.pairs, 1):
+            total[..., :-apart] += alike * values[..., apart:]
+            total[..., apart:] += alike * values[..., :-apart]
         return total
 
-    def precision(self) -> Array:
-        """Inverse of the correlation matrix: its diagonal, and the one above it after a place of no meaning; (2, n)."""
+    def precision(self) -> tuple[Array, Array]:
+        """Inverse of the correlation matrix: its diagonal (n,) and the one beside it (n - 1,)."""
         apart = 1.0 - self.alike**2
-        bands = np.ones((2, len(self.alike) + 1))
-        bands[0, 1:] = -self.alike / apart
-        bands[1, :-1] = 1.0 / apart
-        bands[1, 1:] += self.alike**2 / apart
-        return bands
+        diagonal = np.ones(len(self.alike) + 1)
+        diagonal[:-1] = 1.0 / apart
+        diagonal[1:] += self.alike**2 / apart
+        return diagonal, -self.alike / apart
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,11 +102,13 @@ class WireNoise:
         given up tell nothing of the others.
         """
         every, there = np.ones(len(sd_px)), seen.astype(np.float64)
-        usual = (sd_px**2 + neighbours.around(sd_px**2)) / (1.0 + neighbours.around(every))
+        variances, places = neighbours.around(np.stack((sd_px**2, every)))
+        usual = (sd_px**2 + variances) / (1.0 + places)
         usual = np.maximum(usual, LEAST_NOISE_PX**2)
         usual *= max(float(np.median(residual_px**2 / usual)) / _MEDIAN_SQUARE, 1.0)
         square = np.minimum(residual_px**2 / usual, _GREATEST_SQUARE)
-        scatter = (_USUAL_PLACES + neighbours.around(there * square)) / (_USUAL_PLACES + neighbours.around(there))
+        squares, places = neighbours.around(np.stack((there * square, there)))
+        scatter = (_USUAL_PLACES + squares) / (_USUAL_PLACES + places)
         sd_px = np.sqrt(usual * scatter)
         return cls(sd_px, _shared(np.where(seen, residual_px / sd_px, 0.0), seen, neighbours))
 
@@ -112,7 +116,7 @@ class WireNoise:
 def _shared(deviations: Array, seen: NDArray[np.bool_], neighbours: Neighbours) -> float:
     """Which share of the variance of deviations (n,) of spread 1 neighbours have in common."""
     product = size = 0.0
-    for apart, alike in enumerate(neighbours.pairs(), 1):
+    for apart, alike in enumerate(neighbours.pairs, 1):
         product += float((deviations[:-apart] * deviations[apart:]) @ alike)
         size += float((seen[:-apart] & seen[apart:]) @ alike**2)
     return min(max(product / max(size, 1e-9), 0.0), _MOST_SHARED)
@@ -131,42 +135,36 @@ class PlaceCovariance:
         (n,): S^-1.
     own : float
         1 - s.
-    bands : Array or None
-        (2, n): 1 / (1 - s) + (s N)^-1, the diagonal below the one above it; none where nothing is shared.
+    factors : tuple of Array or None
+        (n,) and (n - 1,): those of the matrix of three diagonals 1 / (1 - s) + (s N)^-1; none where nothing is shared.
     bend : Array
-        (n, m): B.
-    held, inner : Array
-        (n, m) and (m, m): B behind the inverse of the first term, and the inverse of 1 + B^T of that.
+        (m, n): B^T behind the inverse of the first term and of a root of 1 + B^T of that.
     """
 
     per_sd: Array
     own: float
-    bands: Array | None
+    factors: tuple[Array, Array] | None
     bend: Array
-    held: Array
-    inner: Array
 
     @classmethod
     def of(cls, noise: WireNoise, neighbours: Neighbours, weight: Array, bend: Array) -> "PlaceCovariance":
-        """Of places (n,) by their noise and weight."""
-        own, bands = 1.0 - noise.shared, None
+        """Of places (n,) by their noise and weight, and B (n, m)."""
+        own, factors = 1.0 - noise.shared, None
         if noise.shared > 0.0:
-            bands = neighbours.precision() / noise.shared
-            bands[1] += 1.0 / own
-        per_sd = np.sqrt(weight) / noise.sd_px
-        held = _without_map(per_sd, own, bands, bend)
-        inner = np.linalg.inv(np.eye(bend.shape[1]) + bend.T @ held)
-        return cls(per_sd, own, bands, bend, held, np.asarray(inner, dtype=np.float64))
+            diagonal, beside = neighbours.precision()
+            factors = dpttrf(diagonal / noise.shared + 1.0 / own, beside / noise.shared)[:2]
+        alone = cls(np.sqrt(weight) / noise.sd_px, own, factors, bend.T[:0])
+        if not bend.shape[1]:
+            return alone
+        held = alone.solved(bend)
+        root = np.linalg.cholesky(np.eye(bend.shape[1]) + bend.T @ held)
+        seen = np.asarray(solve_triangular(root, held.T, lower=True, check_finite=False), dtype=np.float64)
+        return cls(alone.per_sd, own, factors, seen)
 
     def solved(self, values: Array) -> Array:
-        """The inverse covariance times values (n, k)."""
-        first = _without_map(self.per_sd, self.own, self.bands, values)
-        return np.asarray(first - self.held @ (self.inner @ (self.held.T @ values)))
-
-
-def _without_map(per_sd: Array, own: float, bands: Array | None, values: Array) -> Array:
-    """The inverse of S ((1 - s) 1 + s N) S times values (n, k), by Woodbury's identity."""
-    alone = values * (per_sd / own)[:, None]
-    if bands is not None:
-        alone -= solveh_banded(bands, alone, check_finite=False) / own
-    return np.asarray(alone * per_sd[:, None])
+        """The inverse covariance times values (n, k), by Woodbury's identity."""
+        first = values * (self.per_sd / self.own)[:, None]
+        if self.factors is not None:
+            first -= dpttrs(*self.factors, first)[0] / self.own
+        first *= self.per_sd[:, None]
+        return np.asarray(first - self.bend.T @ (self.bend @ values))

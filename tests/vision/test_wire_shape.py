@@ -99,7 +99,7 @@ def test_places_of_different_wires_are_not_near() -> None:
     points = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 4.1]])
     beside = Neighbours.of(np.array([0, 0, 1], dtype=np.intp), points, 5.0)
     assert beside.alike == pytest.approx([np.exp(-1.0), 0.0])
-    assert [pair.tolist() for pair in beside.pairs()] == [beside.alike.tolist()]
+    assert [pair.tolist() for pair in beside.pairs] == [beside.alike.tolist()]
 
 
 @pytest.mark.parametrize("shared", [0.0, 0.7])
