@@ -150,8 +150,9 @@ def _shadow(patch: _Patch, place_px: Array) -> Array:
 def _measured(patch: _Patch, x_mm: float, least_sd_px: float) -> LineEnd:
     """The likeliest place and the likelihood's spread about it, the line's absorption held to the rings'."""
     free, noise = max(len(patch.seen) - patch.others.shape[1] - 2, 1), 0.0
+    shadows = _shadow(patch, _PLACES_PX[:, None])
     for _ in range(2):  # first without, then with what is known of the absorption: that takes the noise
-        left, amplitude = _explained(patch, noise)
+        left, amplitude = _explained(patch, shadows, noise)
         noise = float(left.min()) / free
     chance = np.exp(-(left - left.min()) / (2.0 * _TOGETHER**2 * max(noise, _SOLVABLE)))
     chance /= chance.sum()
@@ -169,15 +170,15 @@ def _likeliest(left: Array) -> float:
     return float(_PLACES_PX[best] + 0.5 * (before - after) / (before - 2.0 * here + after) * _STEP_PX)
 
 
-def _explained(patch: _Patch, noise: float) -> tuple[Array, Array]:
-    """For an end at each of the places (k,): what it leaves of the pixels, squared, and the line's absorption."""
+def _explained(patch: _Patch, shadows: Array, noise: float) -> tuple[Array, Array]:
+    """For each of the ends' shadows (k, n): what it leaves of the pixels, squared, and the line's absorption."""
     count = patch.others.shape[1]
     held = np.full(count, _SOLVABLE)
     held[count - patch.crossing_count :] += noise / (CROSSING_SD * patch.depth) ** 2
     # what is known beforehand stands below the pixels as further rows
     basis = np.linalg.qr(np.vstack((patch.others, np.diag(np.sqrt(held)))))[0]
     seen = np.concatenate((patch.seen, np.zeros(count)))
-    shadows = np.hstack((_shadow(patch, _PLACES_PX[:, None]), np.zeros((len(_PLACES_PX), count))))
+    shadows = np.hstack((shadows, np.zeros((len(shadows), count))))
     left = seen - basis @ (basis.T @ seen)
     shadows -= (shadows @ basis) @ basis.T
     match, size, known = shadows @ left, (shadows**2).sum(axis=1), noise / (_DEPTH_SD * patch.depth) ** 2

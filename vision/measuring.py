@@ -102,13 +102,10 @@ def find(view: View, guide: Guide, scene: Scene) -> Measured | Refusal:
     nil = np.zeros_like(profiles.offset_px)
     offsets = Offsets(profiles.offset_px, nil, profiles.amplitude, profiles.misfit)
     everything = np.ones(len(places.along), dtype=bool)
-    single = _single_points(view, guide, [], None)
-    return _accepted(places, everything, offsets, _FARTHEST * scene.reader.reach_px, single)
+    return _accepted(places, everything, offsets, _FARTHEST * scene.reader.reach_px)
 
 
-def measure(
-    view: View, guide: Guide, scene: Scene, amplitude: float, ends: list[LineEnd], bead: BeadCentre | None
-) -> Measured | Refusal:
+def measure(view: View, guide: Guide, scene: Scene, amplitude: float) -> Measured | Refusal:
     """All wires, piece by piece, whatever crosses them.
 
     Parameters
@@ -119,8 +116,6 @@ def measure(
         The image's absorption and balls.
     amplitude : float
         Absorption of a wire.
-    ends, bead
-        Single points measured before, if any.
 
     Returns
     -------
@@ -132,18 +127,7 @@ def measure(
     pieces = cut_pieces(view, guide, scene.plate, scene.values, shadows_in(scene, amplitude))
     offsets = measure_offsets(pieces, amplitude, scene.blur_px)
     uncrossed = _uncrossed(pieces.samples, sample_wires(view, guide), scene)
-    single = _single_points(view, guide, ends, bead)
-    return _accepted(pieces.samples, uncrossed, offsets, _FARTHEST_PIECE * scene.reader.reach_px, single)
-
-
-def with_single_points(
-    observations: Observations, view: View, guide: Guide, ends: list[LineEnd], bead: BeadCentre | None
-) -> Observations:
-    """The places, and these single points instead of others; arguments as of `measure`."""
-    in_guide, measured, normals, sd_px = _single_points(view, guide, ends, bead)
-    return replace(
-        observations, extra_in_guide=in_guide, extra_measured=measured, extra_normals=normals, extra_sd_px=sd_px
-    )
+    return _accepted(pieces.samples, uncrossed, offsets, _FARTHEST_PIECE * scene.reader.reach_px)
 
 
 def _ran_away(view: View, guide: Guide, scene: Scene) -> Refusal | None:
@@ -169,7 +153,6 @@ def _accepted(
     uncrossed: NDArray[np.bool_],
     offsets: Offsets,
     farthest_px: float,
-    single: tuple[Array, Array, Array, Array],
 ) -> Measured | Refusal:
     """The places that look like a wire's, if there are enough."""
     clear = uncrossed & (samples.wire != Wire.LINE)
@@ -186,6 +169,7 @@ def _accepted(
         return _too_few(float(good.mean()))
     chosen = samples.chosen(good)
     measured = chosen.points + offsets.offset_px[good, None] * chosen.normals
+    single = np.zeros((0, 3)), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0)
     observations = Observations(chosen.wire, chosen.along, measured, chosen.normals, offsets.sd_px[good], *single)
     return Measured(observations, samples.chosen(good | uncrossed), amplitude)
 
@@ -209,19 +193,26 @@ def _uncrossed(samples: WireSamples, wires: WireSamples, scene: Scene) -> NDArra
     return free
 
 
-def _single_points(
-    view: View, guide: Guide, ends: list[LineEnd], bead: BeadCentre | None
-) -> tuple[Array, Array, Array, Array]:
-    """Line ends along the line, the bead's centre along u and v: places mm, pixels, directions, sd px."""
+def with_single_points(
+    observations: Observations, view: View, guide: Guide, ends: list[LineEnd], bead: BeadCentre | None
+) -> Observations:
+    """The places on the wires, and beside them line ends along the line, the bead's centre along u and v."""
     rows = [_line_end_row(view, guide, end) for end in ends]
     if bead is not None and guide.bead is not None:
         sd_px = bead_sd_px(view, guide, bead)
         rows += [(*guide.bead.position_mm, *bead.centre_px, *direction, sd_px) for direction in np.eye(2)]
     table = np.array(rows, dtype=np.float64).reshape(-1, 8)
-    return table[:, 0:3], table[:, 3:5], table[:, 5:7], table[:, 7]
+    return replace(
+        observations,
+        extra_in_guide=table[:, 0:3],
+        extra_measured=table[:, 3:5],
+        extra_normals=table[:, 5:7],
+        extra_sd_px=table[:, 7],
+    )
 
 
 def _line_end_row(view: View, guide: Guide, end: LineEnd) -> tuple[float, ...]:
+    """Place in the guide, mm; corrected pixel; direction; standard deviation, px."""
     outwards = _outwards(view, guide, end.x_mm)
     place = project(view, np.array([[end.x_mm, 0.0, 0.0]]))[0] + end.excess_px * outwards
     return (end.x_mm, 0.0, 0.0, *place, *outwards, end.sd_px)

@@ -89,7 +89,8 @@ class _Sums:
         weighted = pieces.design * pieces.weight[:, None, :]
         wanted = (weighted @ pieces.values[:, :, None])[:, :, 0]
         energy = (pieces.weight * pieces.values**2).sum(axis=1)
-        return cls(weighted @ pieces.design.transpose(0, 2, 1), wanted, energy, np.maximum((pieces.weight > 0.0).sum(axis=1), 1))
+        pixels = np.maximum((pieces.weight > 0.0).sum(axis=1), 1)
+        return cls(weighted @ pieces.design.transpose(0, 2, 1), wanted, energy, pixels)
 
     def noise(self, solved: Array) -> Array:
         """Variance (s,) at a pixel of weight 1 that unknowns (s, 10) leave."""

@@ -83,27 +83,20 @@ def _with_bead(last: Round, scene: Scene) -> Solution | Refusal:
     if isinstance(bead, Refusal):
         return bead
     evidence, centre = bead
-    again = last.moved_px > _LINEAR_PX
-    measured = _with_centre(last, scene, centre, again)
+    view, guide = last.fit.view, last.fit.guide
+    far = last.moved_px > _LINEAR_PX
+    measured = measure(view, guide, scene, last.measured.amplitude) if far else last.measured
     if isinstance(measured, Refusal):
         return measured
-    view, guide, before = last.fit.view, last.fit.guide, None if again else last.fit
-    fit = fit_contour(view, guide, measured.observations, scene.priors, scene.plate, before)
+    observations = with_single_points(measured.observations, view, guide, last.line_ends, centre)
+    fit = fit_contour(view, guide, observations, scene.priors, scene.plate, None if far else last.fit)
     refusal = (
         gates.check_residual(fit)
         or gates.check_pulls(fit)
         or gates.check_trust(fit, scene.guide)
         or gates.check_tilt(fit.view)
     )
-    return refusal or Solution(fit, _on_corrected_map(measured.observations, fit, scene), last.line_ends, evidence)
-
-
-def _with_centre(last: Round, scene: Scene, centre: BeadCentre | None, again: bool) -> Measured | Refusal:
-    """What was measured, the bead's centre and the line's ends as they are now beside it; or all of it again."""
-    view, guide, ends = last.fit.view, last.fit.guide, last.line_ends
-    if again:
-        return measure(view, guide, scene, last.measured.amplitude, ends, centre)
-    return replace(last.measured, observations=with_single_points(last.measured.observations, view, guide, ends, centre))
+    return refusal or Solution(fit, _on_corrected_map(observations, fit, scene), last.line_ends, evidence)
 
 
 def _on_corrected_map(observations: Observations, fit: ContourFit, scene: Scene) -> Observations:
@@ -113,7 +106,7 @@ def _on_corrected_map(observations: Observations, fit: ContourFit, scene: Scene)
 
 
 def _refined(first: FirstView, scene: Scene) -> Round | Refusal:
-    """Rings, line and the line's ends: roughly at first, then all there is to be seen."""
+    """Rings and line: roughly at first, then all there is to be seen; the line's ends where it then is."""
     view, guide, amplitude = first.view, scene.guide, 0.0
     for _ in range(_ROUGH_ROUNDS):
         found = find(view, guide, scene)
@@ -123,8 +116,7 @@ def _refined(first: FirstView, scene: Scene) -> Round | Refusal:
         view, guide = fit_roughly(view, guide, found.observations, scene.priors)
         if _moved_px(found.observations, before, (view, guide)) < _FAR_PX:
             break
-    ends = _line_ends(view, guide, scene, amplitude)
-    measured = measure(view, guide, scene, amplitude, ends, None)
+    measured = measure(view, guide, scene, amplitude)
     if isinstance(measured, Refusal):
         return measured
     fit = fit_contour(view, guide, measured.observations, scene.priors, scene.plate)

@@ -111,7 +111,8 @@ def _moments(x: Array, sigma: Array) -> Array:
 
 def solve_patches(design: Array, wanted: Array) -> Array:
     """Least squares for each of n patches of p pixels: design (n, p, k), wanted (n, p) -> (n, k)."""
-    normal = np.einsum("npk,npl->nkl", design, design)
+    transposed = design.swapaxes(1, 2)
+    normal = transposed @ design
     # a hair of ridge: a patch without contrast has no defined centre, and must not stop the others
     normal += (1e-9 * np.trace(normal, axis1=1, axis2=2) + 1e-30)[:, None, None] * np.eye(design.shape[2])
-    return np.linalg.solve(normal, np.einsum("npk,np->nk", design, wanted)[:, :, None])[:, :, 0]
+    return np.linalg.solve(normal, transposed @ wanted[:, :, None])[:, :, 0]

@@ -149,7 +149,8 @@ def feet(view: View, guide: Guide, wire: Wire, points: Array) -> Feet:
     pose, z_mm = view.source_from_guide, -guide.separation_mm if wire is Wire.BIG_RING else 0.0
     image_from_plane = view.intrinsics.matrix() @ np.column_stack((pose[:3, :2], pose[:3, 2] * z_mm + pose[:3, 3]))
     u, v = np.ascontiguousarray(points.T)
-    x, y, _, _ = _carried(np.linalg.inv(image_from_plane), u, v, 0.0, 0.0)
+    plane_from_image = np.asarray(np.linalg.inv(image_from_plane), dtype=np.float64)
+    x, y, _, _ = _carried(plane_from_image, u, v, 0.0, 0.0)
     if wire is Wire.LINE:
         along = x
         step, _, _ = _from_foot(image_from_plane, u, v, x, 0.0, 1.0, 0.0)

@@ -133,6 +133,6 @@ def test_wires_that_are_covered_everywhere_are_not_found(
     balls = np.column_stack((u.ravel(), v.ravel(), np.full(u.size, BALL_RADIUS_PX)))
     priors = Priors.of(flat_panel, guide, view.intrinsics)
     scene = MeasuredScene(guide, priors, FLAT, reader, values, balls, BLUR_PX)
-    refusal = measure(view, guide, scene, DEPTH, [], None)
+    refusal = measure(view, guide, scene, DEPTH)
     assert isinstance(refusal, Refusal)
     assert refusal.code is RefusalCode.NO_GUIDE_FOUND

@@ -54,7 +54,7 @@ def test_a_view_that_ran_out_of_the_image_has_nothing_to_be_measured(
     monkeypatch.setattr(search, "solve", lambda first, scene: scenes.append(scene) or solve(first, scene))
     examine(image, guide, flat_panel)
     away = make_view(5.0, translation_mm=translation_mm)
-    for measured in (measure(away, guide, scenes[0], 0.1, [], None), find(away, guide, scenes[0])):
+    for measured in (measure(away, guide, scenes[0], 0.1), find(away, guide, scenes[0])):
         assert isinstance(measured, Refusal)
         assert measured.code is RefusalCode.GUIDE_CUT_OFF
 
@@ -67,7 +67,7 @@ def test_a_guide_that_reaches_to_the_source_has_nothing_to_be_measured(
     examine(image, guide, flat_panel)
     tilt = make_view(5.0).source_from_guide[2, 2]
     wide = make_view(5.0, translation_mm=(10.0, -5.0, guide.separation_mm * tilt + 1e-5), alpha_px=300.0)
-    measured = measure(wide, guide, scenes[0], 0.1, [], None)
+    measured = measure(wide, guide, scenes[0], 0.1)
     assert isinstance(measured, Refusal)
     assert measured.code is RefusalCode.GUIDE_CUT_OFF
 
