@@ -14,9 +14,10 @@ from scipy.special import erf
 
 from vision.devices import Guide
 from vision.distortion import PlateFit
+from vision.pieces import Pieces
 from vision.projection import View, project
 from vision.shadows import Window, ball_shadows
-from vision.wire_model import Wire, WireSamples, feet, sample_wires, samples_at
+from vision.wire_model import Wire, feet, sample_wires, samples_at
 from vision.wire_shape import Profile, ball_profile, wire_profile
 
 Array = NDArray[np.float64]
@@ -26,8 +27,6 @@ _REACH = 1.2  # half width of a band, in wire widths: farther off the ground is 
 _PIECE = 0.9  # length of a piece in wire widths: short against the ground's waves
 _LEAST_PIECE_PX = 4.0  # so that a piece has some five pixels for each of its unknowns
 _END_MARGIN = 0.7  # in wire widths, kept free of the line's own ends
-_COUNT = 10  # unknowns of a piece: shadow, its shift, six of the ground, balls and bead, other wires
-GROUND = slice(2, 8)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,29 +49,6 @@ class Shadows:
     blur_px: float
     balls_raw: Array
     ball_radius_px: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Pieces:
-    """Pixels by piece: (s, p) each, padded with nothing of weight 0; p is the number of pixels of the fullest piece.
-
-    Attributes
-    ----------
-    samples : WireSamples
-        (s,): the pieces' middles.
-    design : Array
-        (s, 10, p): the unknowns' effects, see `_COUNT`.
-    values, weight : Array
-        (s, p): absorption, and the pixels' worth.
-    reach_px : Array
-        (s,): half width of the band.
-    """
-
-    samples: WireSamples
-    design: Array
-    values: Array
-    weight: Array
-    reach_px: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,7 +93,7 @@ def cut_pieces(view: View, guide: Guide, plate: PlateFit, values: NDArray[np.flo
     rows = np.vstack((rows, crossing[pixel], seen[pixel], np.exp(-shadows.depth * rows[0])))  # fewer quanta behind it
     samples = samples_at(view, guide, alongs)
     reach_px = np.repeat([_REACH * wires.width_px[wire] for wire in Wire], [len(along) for along in alongs])
-    return _in_pieces(samples, _padded(piece, len(samples.along), rows), reach_px)
+    return Pieces.of(samples, reach_px, piece, rows)
 
 
 def _laid_out(view: View, guide: Guide, plate: PlateFit, values: NDArray[np.float32], shadows: Shadows) -> _Wires:
@@ -234,21 +210,3 @@ def _others(wires: _Wires, wire: Wire, corrected: Array, pixel: NDArray[np.intp]
                 shadow *= 0.5 * (1.0 + erf((wires.guide.line_end_mm - at.along) / sd_mm))
             total[both] += shadow
     return total
-
-
-def _padded(piece: NDArray[np.intp], count: int, rows: Array) -> Array:
-    """Rows (k, n) of pixels by their pieces, all as long as the longest: (k + 1, s, p), the last 1 where a pixel is."""
-    order = np.argsort(piece, kind="stable")
-    sizes = np.bincount(piece, minlength=count)
-    longest = int(sizes.max(initial=1))
-    slot = np.arange(len(piece)) + np.repeat(longest * np.arange(count) - np.cumsum(sizes) + sizes, sizes)
-    padded = np.zeros((len(rows) + 1, count * longest))
-    padded[:-1, slot], padded[-1, slot] = rows[:, order], 1.0
-    return padded.reshape(len(padded), count, longest)
-
-
-def _in_pieces(samples: WireSamples, padded: Array, reach_px: Array) -> Pieces:
-    """The pieces of what `_padded` put in order."""
-    height, derivative, across, along, others, crossing, values, weight, there = padded
-    columns = (height, derivative, there, across, along, across * along, across**2, across**3, crossing, others)
-    return Pieces(samples, np.stack(columns, axis=1), values, weight, reach_px)

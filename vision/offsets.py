@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.bands import GROUND, Pieces
+from vision.pieces import GROUND, Pieces
 from vision.wire_shape import PIXEL_VARIANCE
 
 Array = NDArray[np.float64]

@@ -115,4 +115,4 @@ def solve_patches(design: Array, wanted: Array) -> Array:
     normal = transposed @ design
     # a hair of ridge: a patch without contrast has no defined centre, and must not stop the others
     normal += (1e-9 * np.trace(normal, axis1=1, axis2=2) + 1e-30)[:, None, None] * np.eye(design.shape[2])
-    return np.linalg.solve(normal, transposed @ wanted[:, :, None])[:, :, 0]
+    return np.asarray(np.linalg.solve(normal, transposed @ wanted[:, :, None])[:, :, 0], dtype=np.float64)

@@ -12,13 +12,14 @@ from simulator.carm.plate import Plate
 from simulator.carm.quick_render import render_quickly
 from simulator.carm.scene import Exposure, PlacedGuide, Scene
 from vision.absorption import Absorption
-from vision.bands import Pieces, Shadows, cut_pieces
+from vision.bands import Shadows, cut_pieces
 from vision.bead_centre import measure_bead
 from vision.devices import CArm, Guide
 from vision.distortion import DistortionMap, PlateFit, exact
 from vision.measuring import Scene as MeasuredScene
 from vision.measuring import measure
 from vision.offsets import Offsets, measure_offsets
+from vision.pieces import Pieces
 from vision.priors import Priors
 from vision.profiles import ProfileReader
 from vision.projection import Intrinsics, View, project
