@@ -75,6 +75,8 @@ class Line:
         self._connection.request(method, f"/api{path}", content, told | _header_names(headers))
         response = self._connection.getresponse()
         text = response.read()
+        if response.status >= 500:
+            self.close()  # the service hangs up after a fault of its own; the next request calls again
         return Answer(response.status, json.loads(text) if text else None)
 
     def close(self) -> None:
