@@ -96,7 +96,7 @@ def _evaluation(outcome: str) -> Json:
         "contour": {"angle_error_deg": degrees, "position_error_mm": 0.3, "predicted_error_95": _PREDICTED},
         "paper": {"angle_error_deg": degrees, "position_error_mm": 0.3},
         "agree": outcome != "disagree",
-        "motion_agreement": {"chi_square": 40.0 if outcome == "view_moved" else 6.0},
+        "motion_agreement": {"chi_square": 40.0 if outcome == "view_moved" else 6.0, "limit": 18.548},
         "anatomy_shift": {
             "measured": outcome != "unmeasured",
             "across_mm": 0.9 if outcome == "patient_shifted" else 0.1,
