@@ -1,7 +1,7 @@
 """The whole service over a controller, pressed by clients over HTTP: release, stop, SIGKILL, and what must not stop."""
 
 import time
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -25,9 +25,9 @@ from tests.system.walk import Walk, lift, lifting, until
 _WAY_MM = 12.0
 _SPAN_MM = 40.0
 _NOT_BEGUN = ("refused", "not_started")  # how a hold ends whose motion nothing had to stop
-# Most stops are pressed in these, one leading to the next; every so often the case is led through all of them.
+# Stops are pressed in these, one leading to the next.
 _OFTEN = ("moving", "safe_hold", "case_open", "safe_hold")
-_STATES = (
+_ELSEWHERE = (
     "carm_positioned",
     "image_acquired",
     "registered",
@@ -39,7 +39,6 @@ _STATES = (
     "sleeve_inserted",
     "over",
 )
-_RARELY = 20  # one of so many trials is in a state that takes images to reach
 
 
 class ServiceRoom:
@@ -95,23 +94,24 @@ class ServiceRoom:
         return Trial(late_ms, ended.cause == "released", "moving")
 
     def stop(self, number: int) -> Trial:
-        """A client of each role in turn, in every state: from the request to the wire."""
-        rare = number % _RARELY == _RARELY - 1
-        state = _STATES[number // _RARELY % len(_STATES)] if rare else _OFTEN[number % len(_OFTEN)]
+        """A client of each role in turn: from the request to the wire."""
+        state = _OFTEN[number % len(_OFTEN)]
         presser = self._pressers[number // len(_OFTEN) % len(self._pressers)]
-        if state == "moving":
-            self._calm()
-            self._wire.mark()
-            with ahead(), lifting(self._case, self._controller, self._way_mm()):
-                trial = self._pressed(presser, state)
-        else:
-            with self._load.paused() if rare else nullcontext():
-                self._come_to(state)
-            self._wire.mark_when_quiet()
-            with ahead():
-                trial = self._pressed(presser, state)
-        if rare:
-            self._new_case()
+        if state != "moving":
+            self._come_to(state)
+            return self._pressed_at_rest(presser, state)
+        self._calm()
+        self._wire.mark()
+        with ahead(), lifting(self._case, self._controller, self._way_mm()):
+            return self._pressed(presser, state)
+
+    def stop_elsewhere(self, number: int) -> Trial:
+        """The same in the states that it takes images to reach, and without a case."""
+        state = _ELSEWHERE[number % len(_ELSEWHERE)]
+        with self._load.paused():
+            self._come_to(state)
+        trial = self._pressed_at_rest(self._pressers[number % len(self._pressers)], state)
+        self._new_case()
         return trial
 
     def kill_service(self, _: int) -> Trial:
@@ -139,6 +139,11 @@ class ServiceRoom:
                 cause = "connection lost"
         self._calm()
         return Trial(None, cause == "arrived", cause, counts=cause not in _NOT_BEGUN)
+
+    def _pressed_at_rest(self, presser: Coaxial, state: str) -> Trial:
+        self._wire.mark_when_quiet()
+        with ahead():
+            return self._pressed(presser, state)
 
     def _pressed(self, presser: Coaxial, state: str) -> Trial:
         at_s = time.monotonic()

@@ -1,7 +1,7 @@
 """Tells whoever holds the button how the motion ended, once that is in the record."""
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -39,6 +39,15 @@ class Endings:
 
     def tell(self, permit_id: str, ending: Ending) -> None:
         """The motion is over."""
-        for awaited in self._awaited.get(permit_id, ()):
-            if not awaited.done():
-                awaited.set_result(ending)
+        _set(self._awaited.get(permit_id, ()), ending)
+
+    def tell_all(self, ending: Ending) -> None:
+        """Whatever moved is over, and nobody will tell how that motion ended."""
+        for awaited in self._awaited.values():
+            _set(awaited, ending)
+
+
+def _set(awaited: "Iterable[asyncio.Future[Ending]]", ending: Ending) -> None:
+    for one in awaited:
+        if not one.done():
+            one.set_result(ending)

@@ -76,7 +76,7 @@ class MotionObserver:
             case MoveRefused():
                 await self._move_refused(event)
             case Fault():
-                await self._observe(Trigger.FAULT, fault_of(event.kind), {"message": event.message})
+                await self._fault(event)
             case Disturbed():
                 await self._disturbed(event)
             case MotionStarted() | StopSent() | PendantReleased() | Status():
@@ -124,6 +124,13 @@ class MotionObserver:
         taken = await asyncio.to_thread(self._in_case, use.case_id, Trigger.MISSED, prepared)
         self._tell(event.permit_id, "refused", taken, None, None, problem)
 
+    async def _fault(self, event: Fault) -> None:
+        """A fault; a guard that is lost tells no end of its motion, so whoever holds the button hears of it here."""
+        taken = await self._observe(Trigger.FAULT, fault_of(event.kind), {"message": event.message})
+        if event.kind is FaultKind.GUARD_LOST and taken is not None:
+            state, version = taken.decision.after.state, taken.event.version
+            self._endings.tell_all(Ending(event.kind, state, version, None, None, None))
+
     async def _disturbed(self, event: Disturbed) -> None:
         """A displaced arm; while a sleeve is in, pushing bends it a little, and the drift, if known, decides (H29)."""
         live = self._conductor.live
@@ -135,12 +142,12 @@ class MotionObserver:
         facts = Movement(observed=True, what=what)
         await self._observe(Trigger.ARM_DISTURBED, facts, {"offset_mm": offset_mm, "angle_deg": angle_deg})
 
-    async def _observe(self, trigger: Trigger, facts: Facts, data: dict[str, Any]) -> None:
+    async def _observe(self, trigger: Trigger, facts: Facts, data: dict[str, Any]) -> Taken | None:
         case_id = await asyncio.to_thread(self._conductor.open_case)
         if case_id is None:
             await asyncio.to_thread(self._outside_a_case, trigger, data)
-        else:
-            await asyncio.to_thread(self._in_case, case_id, trigger, Prepared(facts, data=data))
+            return None
+        return await asyncio.to_thread(self._in_case, case_id, trigger, Prepared(facts, data=data))
 
     def _in_case(self, case_id: str, trigger: Trigger, prepared: Prepared) -> Taken:
         return self._conductor.observe(case_id, trigger, lambda _: prepared)

@@ -36,7 +36,7 @@ class ControllerCore:
     def __init__(self, settings: ControllerSettings) -> None:
         self.settings = settings
         self.arm = Arm(settings)
-        self.safety = Safety(settings.emergency_robot_mode)
+        self.safety = Safety(settings.emergency_robot_mode, settings.unlock_delay_s)
         self.registers = Registers()
         self.watchdog = Watchdog()
         self.log = WireLog()

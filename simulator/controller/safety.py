@@ -2,7 +2,6 @@
 
 from simulator.controller.states import Fault, RobotMode, SafetyBit, SafetyMode
 
-UNLOCK_DELAY_S = 5.0
 POWER_CHANGE_S = 0.5
 
 _STOPS = {
@@ -37,8 +36,9 @@ _BITS = {
 class Safety:
     """The present stop, if any, and the arm's power; time is the controller's."""
 
-    def __init__(self, emergency_robot_mode: RobotMode) -> None:
+    def __init__(self, emergency_robot_mode: RobotMode, unlock_delay_s: float) -> None:
         self._emergency_robot_mode = emergency_robot_mode
+        self._unlock_delay_s = unlock_delay_s
         self.reset()
 
     def reset(self) -> None:
@@ -78,8 +78,8 @@ class Safety:
             self.mode = SafetyMode.PROTECTIVE_STOP
 
     def unlock(self, now_s: float) -> bool:
-        """Release the protective stop; False within five seconds of it."""
-        if self._protective_since_s is not None and now_s - self._protective_since_s < UNLOCK_DELAY_S:
+        """Release the protective stop; False so soon after it."""
+        if self._protective_since_s is not None and now_s - self._protective_since_s < self._unlock_delay_s:
             return False
         self._protective_since_s = None
         return True

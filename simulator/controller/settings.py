@@ -41,6 +41,7 @@ class ControllerSettings:
     version: tuple[int, int, int, int] = (3, 15, 8, 106339)
     protective_stop_pauses: bool = True  # False: the program is stopped instead
     watchdog_outcome: WatchdogOutcome = WatchdogOutcome.STOP_PROGRAM
+    unlock_delay_s: float = 5.0  # after a protective stop; of every real controller
     emergency_robot_mode: RobotMode = RobotMode.POWER_OFF
     input_registers_exclusive: bool = True  # a second client that asks for them gets IN_USE
     tool_lever_mm: float = 250.0  # length that a linear move counts for one radian of turn

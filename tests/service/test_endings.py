@@ -20,6 +20,17 @@ def test_each_of_two_hands_on_one_permit_hears_the_ending() -> None:
     asyncio.run(run())
 
 
+def test_an_end_of_everything_is_heard_by_every_hand_that_has_not_heard_its_own() -> None:
+    async def run() -> None:
+        endings, lost = Endings(), Ending("guard_lost", "safe_hold", 4, None, None, None)
+        with endings.expected("p") as first, endings.expected("q") as second:
+            endings.tell("p", ENDED)
+            endings.tell_all(lost)
+            assert (first.result(), second.result()) == (ENDED, lost)
+
+    asyncio.run(run())
+
+
 def test_an_ending_that_nobody_awaits_is_let_go() -> None:
     async def run() -> None:
         endings = Endings()

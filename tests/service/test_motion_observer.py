@@ -11,6 +11,7 @@ from robot.guard.journal import trajectory_file
 from robot.guard.messages import Disturbed, EndCause, Event, Fault, FaultKind, MotionEnded, MoveRefused
 from robot.refusal import Refusal, RefusalCode
 from service.motion.displacement import Displacement
+from service.motion.endings import Endings
 from service.motion.observer import MotionObserver
 from service.motion.outcomes import outcome_of
 from workflow import facts as f
@@ -53,7 +54,7 @@ def hear(monkeypatch: pytest.MonkeyPatch) -> Any:
 
     def run(record: Record, *events: Event) -> list[tuple[Trigger, Any]]:
         async def record_all() -> None:
-            observer = MotionObserver(record, SimpleNamespace(tell=lambda *_: None))
+            observer = MotionObserver(record, Endings())
             for event in events:
                 await asyncio.wait_for(observer._record_at_last(event), 5.0)
 

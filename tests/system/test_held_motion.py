@@ -84,6 +84,8 @@ def test_a_killed_guard_is_replaced_and_the_next_plan_starts_where_the_arm_is(
 ) -> None:
     os.kill(_guard_of(service), signal.SIGKILL)
     _comes_to_rest(controller, until)
+    ended = held.wait(10.0)
+    assert (ended.cause, ended.state) == ("guard_lost", "safe_hold")
     assert case.wait_for("safe_hold")["held_for"] == "guard_lost"
     until(lambda: case.status()["arm"]["connected"] and case.status()["arm"]["phase"] == "held")
     with pytest.raises(Refused):
