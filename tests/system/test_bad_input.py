@@ -119,20 +119,6 @@ def test_a_target_outside_the_image_in_another_image_or_never_drawn_back_is_refu
     assert case.status()["state"] == "registered"
 
 
-@pytest.mark.hazard("H11")
-def test_a_goal_out_of_reach_is_no_plan(case) -> None:
-    goal = {"translation_mm": [700.0, 700.0, 700.0], "rotation_vector_deg": [180.0, 0.0, 0.0]}
-    refused = _refused(lambda: case.plan("approach", base_from_goal=goal))
-    assert refused.code in {"goal_unreachable", "path_too_long"}
-    assert refused.measured > refused.limit
-    attempt = case.attempts()[0]
-    assert attempt["code"] == refused.code
-    [verdict] = attempt["verdicts"]
-    assert verdict["hazard"] in {"H11", "H12"}
-    assert (verdict["passed"], verdict["measured"], verdict["limit"]) == (False, refused.measured, refused.limit)
-    assert case.status()["chain"]["plan"] is None
-
-
 @pytest.mark.hazard("H13")
 def test_a_permit_that_was_never_given_moves_nothing(case, controller) -> None:
     before = controller.state().joints_rad

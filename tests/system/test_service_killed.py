@@ -35,7 +35,7 @@ def _stays(controller) -> None:
     while controller.state().moving:
         assert time.monotonic() < end_s, "the arm goes on"
     before = np.array(controller.state().joints_rad)
-    time.sleep(1.0)
+    time.sleep(0.5)
     assert np.array_equal(before, controller.state().joints_rad)
     assert controller.state().program == ""
 
