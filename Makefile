@@ -76,6 +76,9 @@ bench-service: $(VENV)/.runtime  ## from an image to its registration on a table
 bench-load: $(VENV)/.runtime  ## what a command takes while fifty screens follow the case and images are registered; SECONDS=60
 	$(BIN)/python benchmarks/load.py --seconds $(or $(SECONDS),60)
 
+bench-archive: $(VENV)/.runtime  ## what each command and list takes in a room with CASES=10000 closed cases, and in one with none; kept in FOLDER
+	$(BIN)/python -m benchmarks.archive --cases $(or $(CASES),10000) --folder $(or $(FOLDER),$(VENV)/archive)
+
 bench-senders: $(VENV)/.runtime  ## how long a permit's commit waits while four C-arms send COUNT=100 images each (needs dcmtk); SEED=0
 	$(BIN)/python benchmarks/four_senders.py --count $(or $(COUNT),100) --seed $(or $(SEED),0)
 
