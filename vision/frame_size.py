@@ -9,7 +9,10 @@ from pydicom.uid import RLELossless
 _JPEG, _JPEG_2000 = b"\xff\xd8", b"\xff\x4f\xff\x51"  # how a stream begins
 # Frame headers of ISO 10918-1 (tables, extensions and conditioning lie between them) and of JPEG-LS, ISO 14495-1.
 _FRAME_HEADERS = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC} | {0xF7}
-_FILL = 0xFF
+_FILL, _SCAN, _HUFFMAN_TABLES = 0xFF, 0xDA, 0xC4
+_TABLE_HEAD = 17  # bytes: which table it is, and how many codes of each length it has
+_AC = 0x10  # of a table's first byte: below it its symbols are sizes of differences, in bits
+_LARGEST_DIFFERENCE = 16
 _RLE_HEADER = struct.Struct("<16I")  # PS3.5 G.5: how many segments, and where each begins
 _RLE_NOTHING = 0x80  # PS3.5 G.3.2: a byte that stands for no pixels; above it the next one is repeated
 _PADDING = 1  # bytes: what is kept has an even length
@@ -56,17 +59,39 @@ def _unpacked_length(segment: bytes) -> int:
 
 
 def told_size(frame: bytes) -> tuple[int, int] | None:
-    """Rows and columns of a JPEG, JPEG-LS or JPEG 2000 stream; None where it does not say."""
+    """Rows and columns of a JPEG, JPEG-LS or JPEG 2000 stream; None where its header does not say, or makes no sense.
+
+    GDCM ends the process over some headers that make none.
+    """
     if frame[:4] == _JPEG_2000 and len(frame) >= 24:
         right, bottom, left, top = struct.unpack(">4I", frame[8:24])
         return bottom - top, right - left
     if frame[:2] != _JPEG:
         return None
-    at = 2
-    while at + 9 <= len(frame) and frame[at] == _FILL:
-        marker = frame[at + 1]
+    at, size = 2, None
+    while at + 4 <= len(frame) and frame[at] == _FILL:
+        marker, end = frame[at + 1], at + 2 + int.from_bytes(frame[at + 2 : at + 4], "big")
+        if marker == _SCAN:
+            return size
         if marker in _FRAME_HEADERS:
-            rows, columns = struct.unpack(">HH", frame[at + 5 : at + 9])
-            return rows, columns
-        at += 1 if marker == _FILL else 2 + int.from_bytes(frame[at + 2 : at + 4], "big")
+            size = int.from_bytes(frame[at + 5 : at + 7], "big"), int.from_bytes(frame[at + 7 : at + 9], "big")
+        if marker == _HUFFMAN_TABLES and not _are_codes(frame[at + 4 : end]):
+            return None
+        at = at + 1 if marker == _FILL else end
     return None
+
+
+def _are_codes(tables: bytes) -> bool:
+    """Whether Huffman tables are whole and leave room for each of their codes, ISO 10918-1 C.2."""
+    while tables:
+        of_length, room = tables[1:_TABLE_HEAD], 1
+        for count in of_length:
+            room = 2 * room - count
+            if room < 0:
+                return False
+        symbols = tables[_TABLE_HEAD : _TABLE_HEAD + sum(of_length)]
+        is_whole = len(of_length) == _TABLE_HEAD - 1 and len(symbols) == sum(of_length) > 0
+        if not is_whole or (tables[0] < _AC and max(symbols) > _LARGEST_DIFFERENCE):
+            return False
+        tables = tables[_TABLE_HEAD + len(symbols) :]
+    return True

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from PIL.TiffImagePlugin import TiffImageFile
 from pydicom.pixels import pixel_array
+from pydicom.uid import JPEG2000, JPEG2000Lossless, JPEGLSLossless, JPEGLSNearLossless
 
 from vision.deflated import inflates_beyond
 from vision.frame_size import disagrees
@@ -30,6 +31,8 @@ _DICOM_MAGIC = b"DICM"
 _XRAY_MODALITIES = frozenset({"XA", "RF", "CR", "DX", "OT"})
 _POLARITIES = frozenset({"MONOCHROME1", "MONOCHROME2"})
 _PICTURE_FORMATS = ("PNG", "TIFF")
+# Of a damaged stream pydicom's first choices make seconds of work (JPEG-LS) or end the process (JPEG 2000).
+_DECODERS = {JPEGLSLossless: "gdcm", JPEGLSNearLossless: "gdcm", JPEG2000Lossless: "pillow", JPEG2000: "pillow"}
 _TIFF_PHOTOMETRIC = 262  # tag; 0: the least value is white
 _PICTURE_BITS = {"L": 8, "I;16": 16, "I;16B": 16, "I;16L": 16}
 
@@ -166,7 +169,9 @@ def _dicom_pixels(dataset: Any, frame: int | None) -> _Stored | Refusal:
     if disagrees(dataset, chosen - 1, frames):
         return Refusal(RefusalCode.UNREADABLE_IMAGE, "the pixels are not of the size that the header says")
     add_decoder()
-    values = pixel_array(dataset, index=chosen - 1)
+    values = pixel_array(
+        dataset, index=chosen - 1, decoding_plugin=_DECODERS.get(dataset.file_meta.TransferSyntaxUID, "")
+    )
     bits = int(dataset.BitsStored)
     if int(dataset.PixelRepresentation):
         values = values.astype(np.int32) + 2 ** (bits - 1)

@@ -230,3 +230,27 @@ def test_a_header_of_another_size_than_the_pixels_is_refused(make_xray, tmp_path
     refusal = decode(changed.getvalue())
     assert isinstance(refusal, Refusal)
     assert (refusal.code, "size" in refusal.message) == (RefusalCode.UNREADABLE_IMAGE, True)
+
+
+@pytest.mark.hazard("H31")
+@pytest.mark.parametrize(
+    ("name", "marker", "behind", "bytes_there"),
+    [
+        ("JPEG lossless SV1", b"\xff\xc4", 0, b"\xf7"),  # no marker
+        ("JPEG lossless SV1", b"\xff\xc4", 5, b"\xff"),  # more codes of one bit than there are
+        ("JPEG lossless SV1", b"\xff\xc4", 2, b"\x00\x03"),  # a table of one byte
+        ("JPEG 2000 lossless", b"\xff\x4f\xff\x51", 24, bytes(8)),  # tiles without a size
+    ],
+    ids=["marker", "codes", "table", "tiles"],
+)
+def test_a_stream_over_which_gdcm_ends_the_process_is_refused(
+    make_xray, tmp_path, name, marker, behind, bytes_there
+) -> None:
+    plain = tmp_path / "plain.dcm"
+    plain.write_bytes(make_xray(_ROWS, _COLUMNS, PixelData=_shadows(12, 3).tobytes()))
+    content = bytearray(SYNTAXES[name].make(plain).read_bytes())
+    at = content.index(marker, content.index(b"\xfe\xff\x00\xe0")) + behind
+    content[at : at + len(bytes_there)] = bytes_there
+    refusal = decode(bytes(content))
+    assert isinstance(refusal, Refusal)
+    assert refusal.code == RefusalCode.UNREADABLE_IMAGE
