@@ -8,6 +8,7 @@ import cv2
 import gdcm
 import numpy as np
 from PIL import Image
+from pydicom import dcmread
 from pydicom.dataset import Dataset, FileMetaDataset
 from pydicom.uid import ExplicitVRLittleEndian, XRayAngiographicImageStorage
 
@@ -70,7 +71,7 @@ def _tiff(values: np.ndarray, packing: str | None) -> bytes:
     return file.getvalue()
 
 
-def _dicom(bits: int) -> bytes:
+def _dicom(bits: int) -> Dataset:
     values = _shadows().astype(np.uint8) if bits == 8 else _shadows().astype(np.uint16) * 16
     image = Dataset()
     image.file_meta = FileMetaDataset()
@@ -84,15 +85,20 @@ def _dicom(bits: int) -> bytes:
     image.PositionerPrimaryAngle, image.DistanceSourceToDetector = 10.5, 1000.0
     image.ImagerPixelSpacing, image.FieldOfViewDimensions, image.KVP = [0.2, 0.2], 230, 76
     image.PixelData = values.tobytes()
+    return image
+
+
+def _written(image: Dataset) -> bytes:
     file = BytesIO()
     image.save_as(file, enforce_file_format=True)
     return file.getvalue()
 
 
-def _in_syntax(content: bytes, syntax: str) -> bytes:
+def _in_syntax(image: Dataset, syntax: str) -> bytes:
+    """The same with its pixels packed by GDCM, which would give the image a random name of its own."""
     with TemporaryDirectory() as place:
         plain, made = Path(place) / "plain.dcm", Path(place) / "made.dcm"
-        plain.write_bytes(content)
+        plain.write_bytes(_written(image))
         reader, change, writer = gdcm.ImageReader(), gdcm.ImageChangeTransferSyntax(), gdcm.ImageWriter()
         reader.SetFileName(str(plain))
         assert reader.Read()
@@ -104,7 +110,10 @@ def _in_syntax(content: bytes, syntax: str) -> bytes:
         writer.SetImage(change.GetOutput())
         writer.SetFileName(str(made))
         assert writer.Write()
-        return made.read_bytes()
+        packed = dcmread(made)
+    image.file_meta.TransferSyntaxUID = packed.file_meta.TransferSyntaxUID
+    image.PixelData = packed.PixelData
+    return _written(image)
 
 
 _SETTINGS = DicomSettings()
