@@ -13,6 +13,9 @@ Sequences and contested permits are sent to the whole service over its own socke
 image work and the monotonic clock, which stands still between two steps. Kills at random moments are of `coaxial serve`
 as a process, with its guard, over a simulated controller.
 
+Of fuzzing and of requests each execution counts. A decoder that ends its process, or works for more than a second of
+its own time, counts as bad, though the image worker bears both: its next image finds a new process.
+
 | what | asked | done | of | bad | at most | holds |
 |---|---|---:|---:|---:|---:|---|
 """
