@@ -68,7 +68,7 @@ def _interrupt(_number: int, _frame: FrameType | None) -> None:
 
 def _place_all(stage: Stage, wanted: Wanted, teller: Teller) -> None:
     results: list[TargetResult] = []
-    pedicles = _chosen(stage, wanted.pedicles)
+    pedicles = choose(stage.door.pedicles(), wanted.pedicles)
     for fault in wanted.faults:
         stage.door.inject(fault)
         teller.tell(f"fault injected: {fault}")
@@ -89,13 +89,14 @@ def _place_all(stage: Stage, wanted: Wanted, teller: Teller) -> None:
     )
 
 
-def _chosen(stage: Stage, names: Sequence[str]) -> list[PlannedPedicle]:
-    planned = {pedicle.name: pedicle for pedicle in stage.door.pedicles()}
-    names = names or (_FOUR if planned.keys() >= set(_FOUR) else tuple(planned))
-    unknown = [name for name in names if name not in planned]
+def choose(planned: Sequence[PlannedPedicle], names: Sequence[str]) -> list[PlannedPedicle]:
+    """Those of the room that were asked for, else the usual ones; DemoFailed where it has no such one."""
+    by_name = {pedicle.name: pedicle for pedicle in planned}
+    names = names or (_FOUR if by_name.keys() >= set(_FOUR) else tuple(by_name))
+    unknown = [name for name in names if name not in by_name]
     if unknown:
-        raise DemoFailed("pedicle_unknown", f"{', '.join(unknown)}; there are {', '.join(planned)}")
-    return [planned[name] for name in names]
+        raise DemoFailed("pedicle_unknown", f"{', '.join(unknown)}; there are {', '.join(by_name)}")
+    return [by_name[name] for name in names]
 
 
 def _stay(stage: Stage, console: Console) -> None:

@@ -17,13 +17,6 @@ def test_a_mirrored_image_ends_the_run_with_the_reason(tmp_path):
     assert nothing_answers(demo)
 
 
-def test_an_unknown_pedicle_is_refused_with_those_there_are(tmp_path):
-    with running_demo(tmp_path, "--pedicle", "C7-left") as demo:
-        assert demo.process.wait(120) == 1
-    assert "pedicle_unknown" in demo.err
-    assert "L3-left" in demo.err
-
-
 @pytest.mark.timeout(200)
 def test_a_service_that_dies_is_named_and_the_room_is_ended(tmp_path):
     with running_demo(tmp_path, "--pedicle", "L3-left") as demo:
