@@ -6,7 +6,8 @@ One closed case is recorded as a procedure does it, each of its events with an a
 copies of its rows under other ids, made by the database itself. Their ledger entries are copied too, so that the ledger
 is as long as it would be, but its hashes are not theirs: it is not verified here. The services of both rooms answer
 turn by turn, so that whatever else the machine does falls on both. FOLDER keeps the databases. Exit status 1 where the
-median of a command is above the limit; a list is compared with a room of as many cases as fill its page.
+median of a command is above the limit; a list is compared with a room of as many cases as fill its page. Trends, which
+are computed of every case, are no list and not timed.
 """
 
 import argparse
@@ -58,8 +59,9 @@ _NUMBERS = {
     "ledger.sequence",
     "ledger.attempt_id",
 }
+_TARGET = {"name": "L3 left", "entry_mm": [32.0, 85.0, 12.0], "target_mm": [20.0, 40.0, 4.0]}
 _REASON, _MOVED = {"reason": "because"}, {"what": "something moved"}
-# Every command of a case with a body that is read; without an arm many are refused, with all their verdicts recorded.
+# Facts and requests; without an arm many requests are refused, with all their verdicts recorded.
 _COMMANDS: Mapping[str, Mapping[str, Any]] = {
     "guide-state-stated": {"guide": "empty"},
     "carm-moved": _MOVED,
@@ -196,9 +198,6 @@ class Room:
     def _send(self, method: str, path: str, body: Mapping[str, Any] | None) -> Any:
         headers = self._headers | {"Idempotency-Key": uuid4().hex, "If-Match": f'"{self._version}"'}
         return self._client.request(method, f"/api{path}", headers=headers, json=body)
-
-
-_TARGET = {"name": "L3 left", "entry_mm": [32.0, 85.0, 12.0], "target_mm": [20.0, 40.0, 4.0]}
 
 
 def requests() -> Iterator[Request]:
