@@ -38,12 +38,17 @@ STAGES = (
     "correct",
     "find_lattice",
     "fit",
+    "find_candidates",
     "ring_candidates",
     "first_views",
-    "solve",
+    "find",
+    "fit_roughly",
     "measure",
-    "locate_bead",
+    "cut_pieces",
     "fit_contour",
+    "measure_line_ends",
+    "locate_bead",
+    "rings_left",
 )
 _DEVICES = Path(__file__).parents[1] / "simulator" / "devices"
 

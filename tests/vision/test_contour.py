@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from vision import view_fit
+from vision import contour, view_fit
 from vision.contour import ContourFit, fit_contour
 from vision.devices import CArm, Guide
 from vision.distortion import DistortionMap, exact
@@ -85,6 +85,23 @@ def test_a_fifth_of_far_off_points_moves_nothing(
     assert dirty.noise_px < 0.2
     # 1,000 points of 0.1 px place the axis within some 0.1 px 140 mm away; a bias of the outliers would be 0.5 px
     assert np.abs(axis_error(dirty.view, truth)).max() < 2.0 * np.abs(axis_error(clean.view, truth)).max() + 0.2
+
+
+def test_a_fit_that_goes_on_from_known_weights_ends_where_the_first_did(
+    make_view: Callable[..., View],
+    guide: Guide,
+    priors: Priors,
+    solve: Callable[..., ContourFit],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    truth = make_view(12.0, 100.0, 200.0, PLACE_MM)
+    observations = observed(truth, guide, 0.1, 2, outliers=0.2)
+    fit = solve(truth, observations)
+    for _ in range(3):  # until the weights no longer change
+        fit = fit_contour(fit.view, fit.guide, observations, priors, FLAT, fit)
+    monkeypatch.setattr(contour, "_LATER_REWEIGHTINGS", 1)
+    again = fit_contour(fit.view, fit.guide, observations, priors, FLAT, fit)
+    assert np.abs(axis_error(again.view, fit.view)).max() < 0.01  # px; noise moves it by a tenth, outliers by half
 
 
 def test_the_covariance_covers_the_errors(

@@ -56,6 +56,14 @@ def field(reach_px: float = 400.0) -> Array:
     return points[np.hypot(*points.T) < reach_px] + MIDDLE
 
 
+def test_a_window_is_mapped_as_its_pixels_are() -> None:
+    distortion = fitted().map
+    u, v = np.meshgrid(300 + np.arange(9), 620 + np.arange(5))
+    wanted = distortion.corrected_from_raw(np.column_stack((u.ravel(), v.ravel())))
+    found = distortion.corrected_window(300, 620, 9, 5).reshape(2, -1).T
+    assert found == pytest.approx(wanted, abs=1e-9)
+
+
 def test_a_known_warp_is_undone_between_the_balls() -> None:
     corrected = fitted().map.corrected_from_raw(warp(field()))
     assert off_a_similarity(corrected, field()).max() < 0.02  # px: what degree 7 leaves of the wave

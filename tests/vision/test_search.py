@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from simulator.carm.drawing import random_scene
 from simulator.carm.quick_render import render_quickly
-from vision import search
+from vision import search, solution
 from vision.detection import QUICK
 from vision.devices import CArm, Guide
 from vision.measuring import Scene, find, measure
 from vision.projection import View
 from vision.refusal import Refusal, RefusalCode
+from vision.registered import Registration
 from vision.registration import examine
 from vision.ring_likeness import lies_on
 from vision.solution import Solution, solve
@@ -111,6 +112,23 @@ def test_a_fit_without_a_finite_step_says_so(
     result = examine(image, guide, flat_panel).result
     assert isinstance(result, Refusal)
     assert result.code is RefusalCode.GUIDE_MISMATCH
+
+
+def test_wires_are_cut_anew_only_where_the_fit_took_them_too_far(
+    image: XrayImage, guide: Guide, flat_panel: CArm, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    views: list[View] = []
+    monkeypatch.setattr(solution, "measure", lambda view, *more: views.append(view) or measure(view, *more))
+    centres, counts = [], []
+    for linear_px in (10.0, 0.0):
+        monkeypatch.setattr(solution, "_LINEAR_PX", linear_px)
+        result = examine(image, guide, flat_panel).result
+        assert isinstance(result, Registration)
+        centres.append(result.fiducials_px["small_centre"])
+        counts.append(len(views))
+        views.clear()
+    assert counts[1] == counts[0] + 1
+    assert centres[1] == pytest.approx(centres[0], abs=0.02)
 
 
 def test_views_of_one_guide_that_differ_in_depth_are_one(image: XrayImage, guide: Guide, flat_panel: CArm) -> None:
