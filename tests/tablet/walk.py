@@ -46,6 +46,7 @@ class Walk:
         self.tablet.page.locator("main[data-state]").wait_for()
         self.tablet.take_control()
         self._come_to(self._read_angles, "case_open")
+        self._read_angles()  # after a hold they may still be on their way
         self.look("case_open")
         self.tablet.hand.tap("State a fact")
         self.look("facts")
@@ -157,16 +158,30 @@ class Walk:
         """The plan read, the PIN, the button held; the words that say how it ended."""
         page, hand = self.tablet.page, self.tablet.hand
         page.get_by_role("button", name="Approve with PIN").wait_for(timeout=30_000)
+        assert not page.locator(".hold").is_visible(), "nothing is held before the PIN"
         self.look(f"plan{picture}")
-        self.tablet.press("Approve with PIN")
-        self.look("pin")
-        hand.enter(self.pin)
+        self._approve()
         button = page.locator(".hold")
-        button.wait_for()
         self.look(f"hold{picture}")  # before it is held: a picture takes the page longer than a heartbeat may be late
         with hand.touching([hand.middle_of(button)]):
             page.locator(".ended").wait_for(timeout=_MOTION_S * 1000)
             return page.locator(".ended").inner_text()
+
+    def _approve(self) -> None:
+        """With the PIN, again where the arm was not read in time."""
+        page = self.tablet.page
+        refused = page.locator(".banner.is-refusal")
+        for _ in range(_TRIES):
+            self.tablet.press("Approve with PIN")
+            self.look("pin")
+            self.tablet.hand.enter(self.pin)
+            page.locator(".hold").or_(refused).first.wait_for()
+            if not refused.is_visible():
+                return
+            words = refused.inner_text()
+            assert any(lost in words for lost in _LOST), words
+            self.tablet.hand.tap(refused.get_by_role("button", name="Close"))
+        pytest.fail("the machine is too busy to read the arm")
 
     def _leave_hold(self) -> None:
         self.tablet.page.wait_for_timeout(1000)  # the fault is told after the motion's own end
