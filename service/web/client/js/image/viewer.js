@@ -25,10 +25,10 @@ import { fitted, middleOf, moved, toImage, toScreen } from "./view.js";
 export function Viewer({ imageId, found, picked = null, echoed = null, onPick, onView }) {
   const developer = useDeveloper(imageId);
   if (!developer) return html`<div class="stage stage-empty">${imageId ? t("image.loading") : t("image.none")}</div>`;
-  return html`<${Loaded} key=${imageId} ...${{ developer, found, picked, echoed, onPick, onView }} />`;
+  return html`<${Loaded} key=${imageId} ...${{ imageId, developer, found, picked, echoed, onPick, onView }} />`;
 }
 
-function Loaded(/** @type {any} */ { developer, found, picked, echoed, onPick, onView }) {
+function Loaded(/** @type {any} */ { imageId, developer, found, picked, echoed, onPick, onView }) {
   const image = { width: developer.raster.width, height: developer.raster.height };
   const [stage, setStage] = useState(/** @type {any} */ (null));
   const [view, setView] = useState(/** @type {any} */ (null));
@@ -116,7 +116,7 @@ function Loaded(/** @type {any} */ { developer, found, picked, echoed, onPick, o
 
   return html`
     <div class="stage">
-      <div class="stage-image" ref=${box} data-tool=${tool} data-view=${view ? [view.scale, view.angleRad, ...view.centre].join(" ") : ""} aria-label=${t("image.label")} role="application" tabindex="0" onKeyDown=${(/** @type {KeyboardEvent} */ event) => keyDown(event, at(), hands.current)}>
+      <div class="stage-image" ref=${box} data-image=${imageId} data-tool=${tool} data-view=${view ? [view.scale, view.angleRad, ...view.centre].join(" ") : ""} aria-label=${t("image.label")} role="application" tabindex="0" onKeyDown=${(/** @type {KeyboardEvent} */ event) => keyDown(event, at(), hands.current)}>
         <canvas ref=${canvas}></canvas>
         ${aiming && picked && html`<${Loupe} ...${{ developer, view, pixel: picked, stage }} />`}
       </div>
