@@ -2,8 +2,8 @@
 
     python -m benchmarks.tablet_speed [--count N]
 
-Service and simulated room run beside the browser, as processes of their own; nobody asks for the images, so that none
-is registered. Asked for are: the first screen within 1 s, with nothing kept from before; an image of 1024 x 1024 pixels
+The service runs in this process, over a recorded case that waits for an image, without arm and C-arm; images are sent
+to it. Asked for are: the first screen within 1 s, with nothing kept from before; an image of 1024 x 1024 pixels
 and 16 bits drawn within 300 ms after the service recorded its arrival; and 30 frames a second while a finger drags the
 window. Exit status 1 where a median misses that.
 """
@@ -13,32 +13,34 @@ import os
 import statistics
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from datetime import datetime
+from io import BytesIO
 from pathlib import Path
+from typing import NoReturn
 
+import numpy as np
 from playwright.sync_api import Browser, Page, sync_playwright
-from rich.console import Console
+from pydicom import dcmread
+from pydicom.uid import generate_uid
 from rich.progress import track
 
-from coaxial_client import Case
-from simulator.demo.imaging import turn_carm
-from simulator.demo.patience import HELD, leave_hold
-from simulator.demo.stage import Stage, open_stage
-from simulator.demo.team import Team
-from simulator.demo.telling import Teller
-from simulator.demo.watching import await_event
+from benchmarks.recorded_cases import Results, compute
+from service.auth.permissions import Role
+from service.settings import Settings
+from tests.service.conftest import PIN
+from tests.tablet.quiet_room import QuietRoom, closed_case
+from workflow.states import State
 
 _CHROMIUM = "/usr/bin/chromium"
-_PEDICLE = "L3-left"
 _DRAG_FRAMES = 120
-_RESULT_WITHIN_S = 120.0
+_PATIENCE_MS = 120_000.0
 _FIRST_S, _IMAGE_S, _FRAMES_PER_S = 1.0, 0.3, 30.0
 
 _SIGN_IN = """([name, pin]) => fetch('/api/session', {
     method: 'POST', headers: {'Content-Type': 'application/json'}, body: JSON.stringify({name, pin})})"""
+_FIRST_DRAWN = "() => performance.getEntriesByName('first-contentful-paint')[0]?.startTime"
 # When each canvas was first drawn on, seconds since 1970.
 _WATCH = """() => {
     const seen = new WeakSet();
@@ -75,11 +77,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--count", type=int, default=10, help="repetitions of each")
     count = parser.parse_args().count
-    with _room() as (stage, team), _browser() as browser:
+    with _room() as (room, results), _browser() as browser:
         print(f"load of the machine's {os.cpu_count()} processors before: {os.getloadavg()[0]:.1f}")
-        page = _in_the_case(browser, stage, team.surgeon)
-        first = [_first_screen(browser, stage) for _ in track(range(count), "first screens")]
-        images = [_image(page, team) for _ in track(range(count), "images")]
+        page = _in_the_case(browser, room)
+        first = [_first_screen(browser, room) for _ in track(range(count), "first screens")]
+        images = [_image(page, room, results.images[0], number) for number in track(range(count), "images")]
         drags = [_frames_per_s(page) for _ in track(range(count), "drags")]
     print(f"load after: {os.getloadavg()[0]:.1f}")
     kept = [
@@ -91,24 +93,19 @@ def main() -> int:
 
 
 @contextmanager
-def _room() -> Iterator[tuple[Stage, Team]]:
-    """A case that waits for its first image."""
+def _room() -> Iterator[tuple[QuietRoom, Results]]:
+    """A case whose C-arm stands."""
     with ExitStack() as up:
         folder = Path(up.enter_context(tempfile.TemporaryDirectory(prefix="coaxial-tablet-")))
-        teller = Teller(Console(quiet=True))
-        stage = up.enter_context(open_stage(folder, 0, None, teller))
-        surgeon, operator = (up.enter_context(stage.sign_in(role)) for role in ("surgeon", "operator"))
-        room, planned = stage.door.room(), {one.name: one for one in stage.door.pedicles()}[_PEDICLE]
-        target = {"name": planned.name, "entry_mm": planned.entry_mm, "target_mm": planned.target_mm}
-        plan = {"patient_id": room["patient"]["id"], "study_uid": room["study_uid"], "position": "prone"}
-        case = surgeon.open_case(plan | {"targets": [target]})
-        while not case.status()["arm"]["connected"]:
-            time.sleep(0.1)
-        case.take_lease("speed of the tablet")
-        team = Team(case, operator.case(case.id), stage.people["surgeon"].pin, stage.door, teller)
-        turn_carm(team, _PEDICLE)
-        team.operator.command("guide-state-stated", guide="empty")
-        yield stage, team
+        results = compute(Settings())
+        running, case_id = up.enter_context(closed_case(folder, results))
+        room = QuietRoom(running, case_id, _no_tablet)
+        room.put(State.CARM_POSITIONED, image=None, registration=None, target=None, verification=None)
+        yield room, results
+
+
+def _no_tablet(url: str) -> NoReturn:
+    raise AssertionError(f"nobody needs a tablet at {url}")
 
 
 @contextmanager
@@ -119,40 +116,55 @@ def _browser() -> Iterator[Browser]:
         chromium.close()
 
 
-def _in_the_case(browser: Browser, stage: Stage, case: Case) -> Page:
+def _new_page(browser: Browser) -> Page:
+    page = browser.new_page(viewport={"width": 1280, "height": 800})
+    page.set_default_timeout(_PATIENCE_MS)
+    return page
+
+
+def _in_the_case(browser: Browser, room: QuietRoom) -> Page:
     """A tablet that shows the case."""
-    page, person = browser.new_page(viewport={"width": 1280, "height": 800}), stage.people["surgeon"]
-    page.goto(stage.url)
-    page.evaluate(_SIGN_IN, [person.name, person.pin])
-    page.goto(f"{stage.url}/#case/{case.id}")
+    page = _new_page(browser)
+    page.goto(room.running.url)
+    page.evaluate(_SIGN_IN, [Role.SURGEON.value, PIN])
+    page.goto(f"{room.running.url}/#case/{room.case_id}")
     page.reload()
-    page.locator("main[data-state]").wait_for()
+    page.locator(f"main[data-state={State.CARM_POSITIONED}]").wait_for()
     page.evaluate(_WATCH)
     return page
 
 
-def _first_screen(browser: Browser, stage: Stage) -> float:
+def _first_screen(browser: Browser, room: QuietRoom) -> float:
     """Seconds until something is drawn, by a browser that has never been here."""
-    page = browser.new_page()
-    page.goto(stage.url)
+    page = _new_page(browser)
+    page.goto(room.running.url)
     page.get_by_label("Name").wait_for()
-    drawn_ms = page.evaluate("performance.getEntriesByName('first-contentful-paint')[0].startTime")
+    drawn_ms = page.wait_for_function(_FIRST_DRAWN).json_value()
     page.close()
     return float(drawn_ms) / 1000.0
 
 
-def _image(page: Page, team: Team) -> float:
+def _image(page: Page, room: QuietRoom, like: bytes, number: int) -> float:
     """Seconds from the record of an image's arrival to its drawing."""
-    status = team.operator.status()
-    if status["state"] == HELD:
-        leave_hold(team)
-    after = int(status["sequence"])
-    team.door.expose()
-    arrived = await_event(team.surgeon, after, ("image_arrived",), _RESULT_WITHIN_S)
+    with room.running.client() as client:
+        sent = client.post("/images", content=_new(like, number), headers={"Content-Type": "application/dicom"})
+        image_id = sent.raise_for_status().json()["id"]
+        page.locator(f".stage-image[data-image='{image_id}'] canvas[data-painted]").wait_for()
+        events = client.get(f"/cases/{room.case_id}/audit").raise_for_status().json()
+    (arrived,) = (one for one in events if one["data"].get("image_id") == image_id)
     arrived_s = datetime.fromisoformat(arrived["recorded_at"]).timestamp()
-    page.wait_for_function("arrived => window.firstDrawn.at(-1) > arrived", arg=arrived_s)
     drawn_s = min(at_s for at_s in page.evaluate("window.firstDrawn") if at_s > arrived_s)
     return float(drawn_s - arrived_s)
+
+
+def _new(like: bytes, number: int) -> bytes:
+    """An image of the same size that has never been here."""
+    image, file = dcmread(BytesIO(like)), BytesIO()
+    image.SOPInstanceUID = image.file_meta.MediaStorageSOPInstanceUID = generate_uid()
+    image.AcquisitionDate = f"{2030 + number}0101"
+    image.PixelData = np.roll(image.pixel_array, number + 1, axis=0).tobytes()
+    image.save_as(file)
+    return file.getvalue()
 
 
 def _frames_per_s(page: Page) -> float:
