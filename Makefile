@@ -36,7 +36,7 @@ ON_POSTGRESQL := $(addprefix tests/service/,ledger test_contested_permits.py tes
 tests: $(VENV)/.test
 	@for need in dcmtk:storescu dicom3tools:dciodvfy orthanc:Orthanc postgresql:pg_lsclusters chromium:chromium strace:strace; do command -v $${need#*:} >/dev/null || \
 	  { echo "missing Debian package: apt-get install $${need%:*}"; exit 1; }; done
-	$(BIN)/python -m pytest -n 2 --dist loadgroup -m "not real_time"
+	$(BIN)/python -m pytest -n 2 -m "not real_time"
 	$(BIN)/python -m pytest -n 2 --database postgresql $(ON_POSTGRESQL)
 	$(BIN)/python -m pytest -n 2 --dist loadfile -m "real_time and not matrix and not lengthy"
 

@@ -17,8 +17,6 @@ from workflow.states import IDLE, LIVE, OVER, GuideState, State
 from workflow.table import TABLE
 from workflow.triggers import Trigger
 
-pytestmark = pytest.mark.xdist_group("reachable")  # the search is made once, by one worker
-
 # Measured once; a smaller search would prove less.
 LEAST_CONFIGURATIONS = 1000
 LEAST_STEPS = 20_000
