@@ -1,6 +1,7 @@
 """The size that a frame's own bytes have: a decoder that believes the header instead makes up pixels (H31)."""
 
 import struct
+from collections.abc import Iterator
 
 from pydicom import Dataset
 from pydicom.encaps import get_frame
@@ -8,7 +9,10 @@ from pydicom.uid import RLELossless
 
 _JPEG, _JPEG_2000 = b"\xff\xd8", b"\xff\x4f\xff\x51"  # how a stream begins
 # Frame headers of ISO 10918-1 (tables, extensions and conditioning lie between them) and of JPEG-LS, ISO 14495-1.
-_FRAME_HEADERS = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC} | {0xF7}
+_JPEG_LS = 0xF7
+_FRAME_HEADERS = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC} | {_JPEG_LS}
+_FRAME_HEADER, _SAMPLE_BITS = struct.Struct(">BHHB"), range(2, 17)
+_ALONE = frozenset({0x01, *range(0xD0, 0xDA)})  # markers without content, which do not belong before a scan
 _FILL, _SCAN, _HUFFMAN_TABLES = 0xFF, 0xDA, 0xC4
 _TABLE_HEAD = 17  # bytes: which table it is, and how many codes of each length it has
 _AC = 0x10  # of a table's first byte: below it its symbols are sizes of differences, in bits
@@ -66,19 +70,42 @@ def told_size(frame: bytes) -> tuple[int, int] | None:
     if frame[:4] == _JPEG_2000 and len(frame) >= 24:
         right, bottom, left, top = struct.unpack(">4I", frame[8:24])
         return bottom - top, right - left
-    if frame[:2] != _JPEG:
-        return None
-    at, size = 2, None
+    return _told_by_jpeg(frame) if frame[:2] == _JPEG else None
+
+
+def _told_by_jpeg(frame: bytes) -> tuple[int, int] | None:
+    size, has_codes = None, False
+    for marker, content in _segments(frame):
+        if marker == _SCAN:
+            return size if has_codes else None
+        if marker in _ALONE:
+            return None
+        if marker in _FRAME_HEADERS:
+            size = _size_of_x_ray(content)
+        if marker == _HUFFMAN_TABLES and not _are_codes(content):
+            return None
+        has_codes |= marker in (_HUFFMAN_TABLES, _JPEG_LS)
+    return None
+
+
+def _segments(frame: bytes) -> Iterator[tuple[int, bytes]]:
+    """Marker and content of what stands before the scan, and of the scan's own header."""
+    at = 2
     while at + 4 <= len(frame) and frame[at] == _FILL:
         marker, end = frame[at + 1], at + 2 + int.from_bytes(frame[at + 2 : at + 4], "big")
-        if marker == _SCAN:
-            return size
-        if marker in _FRAME_HEADERS:
-            size = int.from_bytes(frame[at + 5 : at + 7], "big"), int.from_bytes(frame[at + 7 : at + 9], "big")
-        if marker == _HUFFMAN_TABLES and not _are_codes(frame[at + 4 : end]):
-            return None
-        at = at + 1 if marker == _FILL else end
-    return None
+        if marker == _FILL:
+            at += 1
+            continue
+        yield marker, frame[at + 4 : end]
+        at = end
+
+
+def _size_of_x_ray(frame_header: bytes) -> tuple[int, int] | None:
+    """Rows and columns; None for more bits than an image has here, or for colours."""
+    if len(frame_header) < _FRAME_HEADER.size:
+        return None
+    bits, rows, columns, components = _FRAME_HEADER.unpack_from(frame_header)
+    return (rows, columns) if bits in _SAMPLE_BITS and components == 1 else None
 
 
 def _are_codes(tables: bytes) -> bool:

@@ -239,9 +239,15 @@ def test_a_header_of_another_size_than_the_pixels_is_refused(make_xray, tmp_path
         ("JPEG lossless SV1", b"\xff\xc4", 0, b"\xf7"),  # no marker
         ("JPEG lossless SV1", b"\xff\xc4", 5, b"\xff"),  # more codes of one bit than there are
         ("JPEG lossless SV1", b"\xff\xc4", 2, b"\x00\x03"),  # a table of one byte
+        ("JPEG lossless SV1", b"\xff\xc4", 1, b"\x01"),  # a marker that has no content
+        ("JPEG lossless SV1", b"\xff\xc4", 1, b"\xe4"),  # no table at all
+        ("JPEG lossless SV1", b"\xff\xc3", 4, b"\xff"),  # 255 bits
+        ("JPEG extended", b"\xff\xc1", 4, b"\x11"),  # 17 bits
+        ("JPEG-LS", b"\xff\xf7", 4, b"\x12"),  # 18 bits
+        ("JPEG lossless SV1", b"\xff\xc3", 9, b"\x03"),  # colours
         ("JPEG 2000 lossless", b"\xff\x4f\xff\x51", 24, bytes(8)),  # tiles without a size
     ],
-    ids=["marker", "codes", "table", "tiles"],
+    ids=["marker", "codes", "table", "alone", "no table", "255 bits", "17 bits", "18 bits", "colours", "tiles"],
 )
 def test_a_stream_over_which_gdcm_ends_the_process_is_refused(
     make_xray, tmp_path, name, marker, behind, bytes_there
