@@ -21,9 +21,7 @@ from vision.wire_model import Wire, WireSamples, sample_wires
 Array = NDArray[np.float64]
 
 _ROUGH_SCALE_WITHIN = math.log(2.5)  # of the same by the ellipses' axes and centres alone
-# Relative, distance by the rings' separation against distance by their size: ellipses 2.5 % off, as an alignment to
-# them allows, put the former off by 0.025 sqrt(2) / (1 - depth ratio).
-_SCALE_WITHIN = 0.45
+SCALE_WITHIN = 0.3  # relative: distance by the rings' separation against distance by their size
 # Eq. (10) by the ellipses' axes, with some hundredths of error; the ring planes are far from the source
 LEAST_DEPTH_RATIO, GREATEST_DEPTH_RATIO = 0.7, 1.05
 GREATEST_TILT_RAD = math.radians(50.0)  # for a first pose; the gate on the final one is tighter
@@ -162,7 +160,7 @@ def _axis_view(rings: RingPair, guide: Guide, nominal: Intrinsics) -> View | Non
     step = q - centres.depth_ratio * p
     by_separation_mm = guide.separation_mm / float(np.linalg.norm(step))
     by_size_mm = nominal.alpha_x_px * guide.small_ring_radius_mm / rings.small.semi_axes_px[0]
-    if abs(math.log(by_separation_mm / by_size_mm)) > math.log1p(_SCALE_WITHIN):
+    if abs(math.log(by_separation_mm / by_size_mm)) > math.log1p(SCALE_WITHIN):
         return None
     axis = step / np.linalg.norm(step)
     if axis @ q / np.linalg.norm(q) < math.cos(GREATEST_TILT_RAD):

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from vision.conics import RingPair, ellipse_from_conic
-from vision.detection import RingCandidate
 from vision.devices import CArm, Guide
-from vision.first_pose import RingView, consistent_pairs
+from vision.first_pose import RingView
 from vision.priors import Priors
 from vision.projection import View, nominal_intrinsics, ring_conic
 from vision.ring_alignment import aligned
@@ -55,18 +54,6 @@ def test_a_pair_that_runs_away_is_left_out_and_leaves_the_others_alone(
     laid = aligned([flat, moved(good, away_mm), good], guide, priors)
     assert laid
     assert laid[-1].view.source_from_guide == pytest.approx(alone.view.source_from_guide)
-
-
-@pytest.mark.parametrize("squeezed", [0.975, 1.0, 1.025])
-@pytest.mark.parametrize("tilt_deg", [0.0, 6.0, 25.0])
-def test_a_ring_found_a_fortieth_too_narrow_is_still_paired_and_laid_onto(
-    tilt_deg: float, squeezed: float, make_view: Callable[..., View], guide: Guide, priors: Priors
-) -> None:
-    rings = pair_of(make_view(tilt_deg), guide).rings
-    axes = np.sort(np.array(rings.small.semi_axes_px) * (1.0, squeezed))[::-1]
-    small = replace(rings.small, semi_axes_px=(float(axes[0]), float(axes[1])))
-    found = [RingCandidate(small, 0.9), RingCandidate(rings.big, 0.9)]
-    assert len(aligned(consistent_pairs(found, guide, priors.nominal, 9), guide, priors)) == 1
 
 
 def test_ellipses_far_from_one_axis_are_left_out(make_view: Callable[..., View], guide: Guide, priors: Priors) -> None:
