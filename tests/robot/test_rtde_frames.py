@@ -20,7 +20,7 @@ _PATIENCE_S = 20.0  # far above what is asked, far below the tests' own limit
 
 @contextmanager
 def _answering(parts: Iterator[bytes]) -> Iterator[socket.socket]:
-    """A connection to somebody who sends all of this, and then hangs up."""
+    """A connection to somebody who sends all of this and nothing more, and hears whatever is asked."""
     ours, theirs = socket.socketpair()
 
     def answer() -> None:
@@ -28,6 +28,9 @@ def _answering(parts: Iterator[bytes]) -> Iterator[socket.socket]:
             try:
                 for part in parts:
                     theirs.sendall(part)
+                theirs.shutdown(socket.SHUT_WR)
+                while theirs.recv(4096):  # what is asked of somebody who has hung up breaks the pipe
+                    pass
             except OSError:
                 return
 

@@ -85,15 +85,26 @@ class NamedApart(Walk):
 
 
 class Room:
-    """A service without an arm, its surgeon signed in and in control of its one case."""
+    """A service without an arm, its surgeon signed in and in control of its open case."""
 
-    def __init__(self, running: Any, case: Case) -> None:
+    def __init__(self, running: Any, surgeon: Coaxial) -> None:
         self.parts = running.parts
-        self.session = running.parts.sessions.find(case._transport.token)
-        self.case = case
+        self.surgeon = surgeon
+        self.case = self._open_case()
+        self.session = running.parts.sessions.find(self.case._transport.token)
+
+    def _open_case(self) -> Case:
+        target = {"name": "L3 left", "entry_mm": [32.0, 85.0, 12.0], "target_mm": [20.0, 40.0, 4.0]}
+        return self.surgeon.open_case({"patient_id": "P1", "study_uid": "1.2.3", "targets": [target]})
+
+    def _is_over(self) -> bool:
+        with self.parts.database.read() as connection:
+            return store.open_case_of(connection, self.parts.settings.room) is None
 
     def put(self, case: CaseState) -> CaseState:
-        """The case recorded to stand like this."""
+        """A case recorded to stand like this: one that was over stays so."""
+        if case.state not in OVER and self._is_over():
+            self.case = self._open_case()
         case = replace(case, case_id=self.case.id)
         event = NewEvent("note", self.session.user_id, case.state, to_json(case), {})
         made = tuple(artefacts_of(case, self.session.user_id))
@@ -145,9 +156,7 @@ def room(running, device_files) -> Iterator[Room]:
         client.sign_in(Role.SURGEON.value, "correct horse")
         for kind, content in device_files.items():
             client.upload_device(kind, content.encode())
-        target = {"name": "L3 left", "entry_mm": [32.0, 85.0, 12.0], "target_mm": [20.0, 40.0, 4.0]}
-        case = client.open_case({"patient_id": "P1", "study_uid": "1.2.3", "targets": [target]})
-        yield Room(running, case)
+        yield Room(running, client)
 
 
 def expected_refusal(case: CaseState, trigger: Trigger) -> str | None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from http import HTTPStatus
+from itertools import count
 from queue import Queue
 from threading import Thread
 
@@ -31,7 +32,7 @@ class Guard:
     url: str = ""
 
     def listen(self, connection: ServerConnection) -> None:
-        for number in range(1000):
+        for number in count():
             connection.send(json.dumps({"type": "progress", "challenge": f"c{number}"}))
             try:
                 beat = json.loads(connection.recv())

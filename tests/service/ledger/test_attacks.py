@@ -62,7 +62,7 @@ def _flip(column, flipped, marker="?"):
     read = f'CAST("{column.name}" AS TEXT)' if isinstance(column.type, sa.JSON) else f'"{column.name}"'
 
     def flip(attacker):
-        query = f'SELECT rowid, {read} FROM {table} ORDER BY "{column.name}" IS NULL LIMIT 1'
+        query = f'SELECT rowid, {read} FROM {table} ORDER BY "{column.name}" IS NULL, rowid LIMIT 1'
         row, value = attacker.execute(query).fetchone()
         attacker.execute(f'UPDATE {table} SET "{column.name}" = {marker} WHERE rowid = ?', [flipped(value), row])
 
