@@ -8,7 +8,6 @@ import uvicorn
 from fastapi import FastAPI
 
 from robot.guard.pauses import spare_what_is_loaded
-from robot.guard.precedence import Precedence, lift_process
 from service.app import create_app
 from service.connections import BACKLOG, PromptProtocol, allow_descriptors
 from service.settings import Settings
@@ -38,7 +37,6 @@ async def _serve(settings: Settings, claim_reason: str | None) -> None:
         for ending in (signal.SIGINT, signal.SIGTERM):
             signal.signal(ending, lambda *_: None)
         spare_what_is_loaded()
-        lift_process(Precedence.SERVICE)
         await _Server(server_config(app, settings)).serve()
 
 

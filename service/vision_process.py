@@ -6,8 +6,6 @@ import signal
 from multiprocessing.connection import Connection
 from typing import Any
 
-from robot.guard.precedence import stand_back
-
 # So that a busy image never delays a heartbeat or a stop (H32).
 _NICENESS = 10
 _OPENCV_NO_MEMORY = -4
@@ -18,7 +16,7 @@ OK, OUT_OF_MEMORY, FAILED = "ok", "out_of_memory", "failed"
 def serve_jobs(pipe: Connection, memory_bytes: int, jobs_module: str) -> None:
     """Import `jobs_module` (it has JOBS), say so, then work until the pipe closes; the parent's death closes it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the service's to handle
-    stand_back(_NICENESS)
+    os.nice(_NICENESS)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     jobs = __import__(jobs_module, fromlist=["JOBS"]).JOBS

@@ -4,14 +4,14 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from robot.guard.precedence import Precedence, take_precedence
+from robot.guard.precedence import take_precedence
 
 
 @contextmanager
 def ahead() -> Iterator[None]:
     """This thread, and what it starts, run before ordinary work, where the system grants it."""
     niceness = os.getpriority(os.PRIO_PROCESS, 0)
-    take_precedence(Precedence.GUARD, passed_on=True)
+    take_precedence(passed_on=True)
     try:
         yield
     finally:

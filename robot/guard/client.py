@@ -26,7 +26,7 @@ from robot.guard.messages import (
     Status,
     Stop,
 )
-from robot.guard.precedence import Precedence, take_precedence
+from robot.guard.precedence import take_precedence
 
 _LOOK_S = 0.05
 _CLOSE_S = 6.0
@@ -132,7 +132,7 @@ class GuardClient:
         return child is not None and child.send(encode(command))
 
     def _supervise(self) -> None:
-        take_precedence(Precedence.GUARD, passed_on=False)  # dies first if the process is killed, and the guard with it
+        take_precedence(passed_on=False)  # it dies first if this process is killed, and the guard with it
         while not self._closing.is_set():
             child = self._spawn()
             if child is None:

@@ -19,7 +19,7 @@ from robot.guard.messages import Phase, ReleasePendant, Stop
 from robot.guard.outbox import Outbox
 from robot.guard.parent import end_with_parent
 from robot.guard.pauses import spare_what_is_loaded
-from robot.guard.precedence import Precedence, take_precedence
+from robot.guard.precedence import take_precedence
 from robot.ur5 import UR5
 
 _TURN_S = 0.003  # longest pause between two looks at the arm, whose cycle is 8 ms (CB3) or 2 ms
@@ -38,7 +38,7 @@ def run(arm_address: str, journal_folder: Path) -> None:
     """Guard one arm until the parent is gone or the arm's library stuck, and the arm at rest; or the link broken."""
     outbox = Outbox(_take_stdout())
     sys.setswitchinterval(_SWITCH_S)
-    take_precedence(Precedence.GUARD, passed_on=True)  # the arm's library reads in threads of its own
+    take_precedence(passed_on=True)  # the arm's library reads in threads of its own
     journal = Journal(journal_folder)
     arm = UR5(arm_address)
     guard = Guard(arm, journal, outbox.put)

@@ -56,7 +56,10 @@ def is_alive(process_id: int) -> bool:
         os.kill(process_id, 0)
     except ProcessLookupError:
         return False
-    return "\nState:\tZ" not in Path(f"/proc/{process_id}/status").read_text()
+    try:
+        return "\nState:\tZ" not in Path(f"/proc/{process_id}/status").read_text()
+    except OSError:  # it was reaped meanwhile
+        return False
 
 
 def first_stop_after(controller: ControllerProcess, at_s: float) -> float:

@@ -30,7 +30,7 @@ def test_a_carm_that_turned_by_one_degree_after_registration_voids_the_view(walk
     walk.carm.expose(turned @ walk.aimed)
     verdict = _verdict(walk.case, "carm_moved", "motion_agrees")
     assert not verdict["passed"]
-    assert verdict["measured"] > verdict["limit"] == pytest.approx(18.548)
+    assert verdict["measured"] > verdict["limit"] == pytest.approx(18.548, abs=1e-3)
     status = walk.case.status()
     assert status["state"] == "case_open"
     assert [status["chain"][link] for link in ("view", "registration", "verification")] == [None, None, None]
