@@ -66,6 +66,8 @@ class Channel:
                 await self._take_in()
             except ServiceError as error:
                 _log.warning("events_not_read", code=error.code)
+            except Exception:  # noqa: BLE001  without a reader every screen would go on in silence for ever
+                _log.exception("events_not_read")
             await comes(self._woken, _POLL_S)
 
     async def _take_in(self) -> None:

@@ -126,9 +126,12 @@ def test_what_another_process_wrote_is_told_too(database, case):
         other.close()
 
 
-def test_a_stream_outlives_a_database_that_does_not_answer_for_a_while(database, case, monkeypatch):
+@pytest.mark.parametrize(
+    "fault", [ServiceError(ErrorCode.DATABASE_BUSY, "another writer"), RuntimeError("a defect")], ids=repr
+)
+def test_a_stream_outlives_a_database_that_does_not_answer_for_a_while(database, case, monkeypatch, fault):
     monkeypatch.setattr(channel, "_POLL_S", 0.05)
-    newest, failures = store.newest_sequence, [ServiceError(ErrorCode.DATABASE_BUSY, "another writer")] * 3
+    newest, failures = store.newest_sequence, [fault] * 3
 
     def failing(*given) -> int:
         if failures:
