@@ -54,6 +54,9 @@ fault-matrix: $(VENV)/.test  ## every fault in every state of a motion, over the
 test-tablet: $(VENV)/.test  ## the tablet in Debian's Chromium, by touch alone, with what make test leaves out
 	$(BIN)/python -m pytest -m tablet
 
+explore: $(VENV)/.test  ## new examples for the tests of properties, which make test runs with the same ones each time
+	HYPOTHESIS_PROFILE=explore $(BIN)/python -m pytest -n 2 -m "hypothesis and not real_time"
+
 test-kills: $(VENV)/.test  ## SIGKILL of the service in every state of a case
 	$(BIN)/python -m pytest tests/system/test_service_killed.py -v
 

@@ -1,12 +1,20 @@
 """Which database the tests use: `pytest --database postgresql` runs them all on a server of their own."""
 
+import os
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import settings
 
 from tests.certificates import Certificate, make_certificate
 from tests.databases import Databases, PostgresqlDatabases, SqliteFiles
 from tests.postgresql_server import PROGRAMS, postgresql_server
+
+# The same examples in every run, so that a change is refused for what it does and not for its luck; `make explore`
+# looks for new ones. A loaded machine is no reason to fail.
+settings.register_profile("same", derandomize=True, deadline=None)
+settings.register_profile("explore", max_examples=2000, deadline=None, print_blob=True)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

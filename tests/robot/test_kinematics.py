@@ -70,7 +70,7 @@ def test_forward_kinematics_agrees_with_ur_analytic_ik(joints: np.ndarray) -> No
     assert base_from_flange(joints) == pytest.approx(oracle, abs=1e-9)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(joints=joint_vectors, steps=st.lists(st.floats(-0.05, 0.05), min_size=6, max_size=6))
 def test_joints_found_from_a_near_seed_reach_the_goal_and_keep_their_windings(
     joints: np.ndarray, steps: list[float]
@@ -85,7 +85,7 @@ def test_joints_found_from_a_near_seed_reach_the_goal_and_keep_their_windings(
 
 
 @given(joints=joint_vectors)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_branch_of_the_closed_form_solution_is_found_again(joints: np.ndarray) -> None:
     goal = base_from_flange(joints)
     in_metres = goal.copy()

@@ -43,7 +43,7 @@ def refused(outcome: Path | Refusal, code: RefusalCode) -> Refusal:
     return outcome
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     offset_mm=st.lists(st.floats(-60.0, 60.0), min_size=3, max_size=3),
     turn_deg=st.lists(st.floats(-12.0, 12.0), min_size=3, max_size=3),

@@ -39,7 +39,7 @@ CYLINDERS = st.builds(
 HALF_SPACES = st.builds(lambda point, turn: HalfSpace("wall", Occupant.OTHER, point, turn[:, 0]), POINT, TURN)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(shape=st.one_of(BOXES, CYLINDERS, HALF_SPACES), start=POINT, end=POINT)
 def test_no_point_of_a_segment_is_nearer_than_its_distance_and_one_is_as_near(
     shape: Shape, start: np.ndarray, end: np.ndarray
@@ -51,7 +51,7 @@ def test_no_point_of_a_segment_is_nearer_than_its_distance_and_one_is_as_near(
     assert brute_mm - step_mm <= found_mm <= brute_mm + 1e-4
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(shape=st.one_of(BOXES, CYLINDERS), start=POINT, end=POINT)
 def test_distance_outside_agrees_with_the_library(shape: Shape, start: np.ndarray, end: np.ndarray) -> None:
     length_mm = float(np.linalg.norm(end - start))

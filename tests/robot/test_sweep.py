@@ -135,7 +135,7 @@ NEAR_SHAPES = st.one_of(
 )
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(
     shape=NEAR_SHAPES,
     offset_mm=st.lists(st.floats(-40.0, 40.0), min_size=3, max_size=3),

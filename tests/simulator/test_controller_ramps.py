@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from simulator.controller.ramps import Ramp
@@ -28,7 +28,6 @@ def hardest(track):
     return max(abs(after - before) / CYCLE_S for (_, before), (_, after) in pairwise(track))
 
 
-@settings(deadline=None)
 @given(lengths, speeds, accelerations)
 def test_ramp_arrives_within_its_speed_and_acceleration(length, cruise, acceleration):
     ramp = Ramp(length, cruise, acceleration)
@@ -48,7 +47,6 @@ def test_long_ramp_takes_the_time_of_a_trapezoid():
     assert ramp.arrived
 
 
-@settings(deadline=None)
 @given(accelerations, accelerations)
 def test_brake_ends_the_motion_in_the_braking_distance(acceleration, deceleration):
     ramp = Ramp(1000.0, 20.0, acceleration)
@@ -88,7 +86,6 @@ def test_brake_during_a_hold_forbids_going_on():
     assert not ramp.arrived
 
 
-@settings(deadline=None)
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
 def test_changed_speed_scaling_never_exceeds_the_acceleration(scalings):
     ramp = Ramp(200.0, 20.0, 100.0)

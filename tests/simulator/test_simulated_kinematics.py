@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio
 import pytest
 import ur_analytic_ik
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -35,7 +35,6 @@ def test_published_poses():
     assert Rotation.from_matrix(pose[:3, :3]).as_rotvec() == pytest.approx([2.221441, 2.221441, 0.0], abs=1e-6)
 
 
-@settings(deadline=None)
 @given(joint_angles)
 def test_pose_and_jacobian_agree_with_pinocchio(joints):
     model, flange = pinocchio_model()
@@ -46,7 +45,6 @@ def test_pose_and_jacobian_agree_with_pinocchio(joints):
     assert kinematics.jacobian(NOMINAL_UR5, joints) == pytest.approx(expected, abs=1e-9)
 
 
-@settings(deadline=None)
 @given(joint_angles)
 def test_pose_agrees_with_the_analytic_library(joints):
     expected = np.array(ur_analytic_ik.ur5.forward_kinematics(*joints))
@@ -54,7 +52,6 @@ def test_pose_agrees_with_the_analytic_library(joints):
     assert kinematics.base_from_flange(NOMINAL_UR5, joints) == pytest.approx(expected, abs=1e-9)
 
 
-@settings(deadline=None)
 @given(joint_angles, st.lists(st.floats(-200.0, 200.0), min_size=3, max_size=3).map(np.array))
 def test_jacobian_of_a_tool_point_is_the_derivative_of_its_place(joints, point_mm):
     step_rad = 1e-6
@@ -68,7 +65,6 @@ def test_jacobian_of_a_tool_point_is_the_derivative_of_its_place(joints, point_m
         assert analytic[:, joint] == pytest.approx(numeric, abs=1e-3)  # mm/rad: rounding of 1e-10 over the step
 
 
-@settings(deadline=None)
 @given(bent, st.lists(st.floats(-0.1, 0.1), min_size=6, max_size=6).map(np.array))
 def test_inverse_leads_back_to_the_pose_near_the_seed(joints, offsets):
     goal = kinematics.base_from_flange(NOMINAL_UR5, joints)

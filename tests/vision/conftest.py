@@ -7,7 +7,6 @@ from typing import cast
 
 import numpy as np
 import pytest
-from hypothesis import settings
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
@@ -18,10 +17,6 @@ from vision.paper import solve
 from vision.projection import Intrinsics, View, fiducials_in_guide, project, ring_conic
 from vision.refusal import Refusal
 from vision.registered import ImageIdentity, Method, PredictedError, Registration
-
-# Single examples take milliseconds; a loaded machine is no reason to fail.
-settings.register_profile("without-deadline", deadline=None)
-settings.load_profile("without-deadline")
 
 _DEVICES = Path(__file__).parents[1] / "devices"
 GUIDE_TOML = (_DEVICES / "guide.toml").read_bytes()

@@ -121,9 +121,7 @@ def machine_of(new_walk):
 @pytest.mark.timeout(120)
 def test_any_sequence_keeps_the_promises(new_walk):
     # No deadline: the two processor cores are shared with the rest of the tests.
-    run_state_machine_as_test(
-        machine_of(new_walk), settings=settings(max_examples=60, stateful_step_count=60, deadline=None)
-    )
+    run_state_machine_as_test(machine_of(new_walk), settings=settings(max_examples=60, stateful_step_count=60))
 
 
 @pytest.mark.parametrize(("source", "to"), [(State.CLOSED, State.CARM_POSITIONED), (State.REGISTERED, State.VERIFIED)])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binomtest
 
@@ -17,7 +17,6 @@ def test_the_scores_are_those_of_the_ranks_among_the_cases_so_far() -> None:
     assert scores == pytest.approx([0.0, 0.6745, -0.9674, 0.3186], abs=1e-4)  # ranks 1, 2, 1, 3 of 1, 2, 3, 4
 
 
-@settings(deadline=None)
 @given(st.lists(st.floats(0.01, 10.0), min_size=2, max_size=30))
 def test_a_chart_knows_only_the_order_of_its_values(values: list[float]) -> None:
     plain = np.array(values)
