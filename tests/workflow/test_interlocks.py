@@ -1,6 +1,7 @@
 """Each interlock alone: what passes at its limit, what refuses beyond it, and what is unknown, stale or no number."""
 
 import json
+import math
 from dataclasses import replace
 
 import pytest
@@ -11,14 +12,21 @@ from tests.workflow.proofs_of_images import IMAGE_PROOFS
 from tests.workflow.proofs_of_plans import PLAN_PROOFS
 from workflow import interlocks, machine
 from workflow.decisions import Decision
+from workflow.inquiry import Inquiry
 from workflow.interlocks import INTERLOCKS
 from workflow.plans import PlanKind
 from workflow.refusals import Refusal
+from workflow.snapshot import Reading, unknown_snapshot
 from workflow.states import State
 from workflow.triggers import Trigger
 
 PROOFS: dict[str, Proof] = IMAGE_PROOFS | PLAN_PROOFS | ARM_PROOFS
 REFUSING = [(code, at) for code, proof in PROOFS.items() for at in range(len(proof.refusing))]
+# What the case itself tells needs neither the room nor what comes with a request.
+OF_THE_CASE_ALONE = {
+    *("aim_angle", "aim_position", "guide_empty", "guide_known", "image_after_motion", "no_insertion"),
+    *("permit_fresh", "permit_guide", "permit_parents", "verification_age", "verification_newer", "window_open"),
+}
 PASSING = [(code, at) for code, proof in PROOFS.items() for at in range(len(proof.passing))]
 
 
@@ -114,3 +122,40 @@ def test_nothing_passes_when_nothing_is_known(new_walk):
         answer = machine.decide(walk.case, trigger, walk.facts(trigger), None, LIMITS, 0.0)
         assert isinstance(answer, Refusal)
         assert not any(verdict.passed for verdict in answer.verdicts if verdict.code != "guide_known")
+
+
+@pytest.mark.parametrize("code", sorted(INTERLOCKS))
+def test_what_nobody_said_is_refused(new_walk, code):
+    """Each fails closed where nothing came with the request and nothing is known of the room."""
+    walk, lock = prepared(new_walk(), PROOFS[code]), INTERLOCKS[code]
+    verdict = lock.judge(Inquiry(walk.case, PROOFS[code].trigger, None, unknown_snapshot(), LIMITS, walk.now_s))
+    assert verdict.passed == (code in OF_THE_CASE_ALONE)
+
+
+@pytest.mark.parametrize(
+    ("reading", "note"),
+    [
+        (Reading(None, 0.01), "unknown"),
+        (Reading(math.nan, 0.01), "not a finite number"),
+        (Reading(0.0, 0.2), "the reading is 0.2 s old, at most 0.1 s count"),
+        (Reading(None, 0.2), "the reading is 0.2 s old, at most 0.1 s count"),
+        (Reading(0.0, 0.0), ""),
+        (Reading(1.0, 0.0), ""),
+    ],
+)
+def test_a_verdict_says_why_nothing_was_measured(walk, reading, note):
+    walk.to(State.VERIFIED).spoil(drift_mm=reading)
+    answer = walk.ask(Trigger.INSERTION_STARTED)
+    drift = next(verdict for verdict in answer.verdicts if verdict.code == "drift_mm")
+    told = "; ".join(part for part in (INTERLOCKS["drift_mm"].message, note) if part)
+    assert drift.message == ("" if drift.passed else told)
+
+
+def test_joints_that_cannot_be_compared_are_no_number(walk):
+    walk.to(State.TARGET_CHOSEN).spoil(joints_rad=Reading((0.1, 0.2), 0.01))
+    answer = walk.refused(Trigger.MOVE_STARTED)
+    notes = {verdict.code: verdict.message for verdict in answer.failed}
+    assert notes["permit_joints"].endswith("not a finite number")
+    walk.spoil(joints_rad=Reading(None, 0.01))
+    notes = {verdict.code: verdict.message for verdict in walk.refused(Trigger.MOVE_STARTED).failed}
+    assert notes["permit_joints"].endswith("unknown")

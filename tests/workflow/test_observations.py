@@ -228,9 +228,10 @@ def test_a_motion_that_ended_without_rest_is_a_disturbed_arm(walk, ended, at_res
     assert (walk.case.state, walk.case.image) == (State.SAFE_HOLD, None)
 
 
-def test_the_end_of_another_motion_is_late(walk):
+@pytest.mark.parametrize("ended", [Trigger.ARRIVED, Trigger.MISSED, Trigger.RELEASED])
+def test_the_end_of_another_motion_is_late(walk, ended):
     walk.to(State.MOVING)
-    assert walk.do(Trigger.ARRIVED, motion_id="old").outcome is Outcome.LATE
+    assert walk.do(ended, motion_id="old").outcome is Outcome.LATE
     assert walk.case.state is State.MOVING
 
 

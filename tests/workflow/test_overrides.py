@@ -50,6 +50,12 @@ def test_an_override_lets_the_one_request_pass_and_says_so(old, trigger):
     assert not passed.overridable
 
 
+def test_each_override_opens_its_own_interlock_alone(old):
+    deep = Override("aim_angle", "deep target", surgeon=True)
+    assert not verdict(old.refused(Trigger.MOVE_APPROVED, overrides=(deep,))).passed
+    assert verdict(old.do(Trigger.MOVE_APPROVED, overrides=(deep, OLD))).override == OLD.reason
+
+
 def test_the_permit_keeps_its_override_for_its_own_motion_and_for_no_other(old):
     old.do(Trigger.PLAN_REQUESTED, overrides=(OLD,))
     old.do(Trigger.MOVE_APPROVED, overrides=(OLD,))

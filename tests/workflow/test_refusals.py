@@ -57,6 +57,12 @@ def test_a_refusal_names_what_leads_onwards(walk, state, trigger, code, onwards)
     assert (refusal.code, refusal.leads_onwards) == (code, onwards)
 
 
+def test_an_insertion_whose_guide_is_empty_again_is_over_once_the_target_is_done(walk):
+    walk.to(State.SLEEVE_INSERTED).do(Trigger.SLEEVE_REMOVED)
+    refusal = walk.refused(Trigger.RETAKE)
+    assert (refusal.code, refusal.leads_onwards) == (RefusalCode.INSERTION_RUNNING, (Trigger.TARGET_DONE,))
+
+
 def test_every_refusal_of_a_live_case_names_something_that_can_be_done_there(new_walk):
     """Requests named are listed in that state, observations and facts are open to it."""
     for state in (state for state in State if state not in ENDS):

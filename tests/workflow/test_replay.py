@@ -24,6 +24,25 @@ def test_a_case_comes_back_from_its_last_event(walk, state):
     assert hash(stored(case)) == hash(case)
 
 
+@pytest.mark.parametrize("state", State)
+def test_a_stored_case_is_made_of_nothing_but_json(walk, state):
+    """Names are plain strings, whatever writes them."""
+    assert kinds_of(to_json(walk.to(state).case)) <= {dict, list, str, int, float, bool, type(None)}
+
+
+def kinds_of(value) -> set[type]:
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return {type(value)}.union(*map(kinds_of, inner))
+
+
+def test_a_whole_number_is_a_number(walk):
+    """Some writers of JSON leave a decimal point out."""
+    record = to_json(walk.to(State.VERIFIED).case)
+    record["verification"]["judged_s"] = 7
+    judged_s = from_json(record).verification.judged_s
+    assert (judged_s, type(judged_s)) == (7.0, float)
+
+
 def test_a_replayed_case_decides_as_the_one_that_was_never_stored(new_walk):
     """Every step of a whole procedure twice: once in memory, once written and read before each step."""
     kept, replayed = new_walk(), new_walk()

@@ -1,0 +1,81 @@
+"""Each part of the code changed in turn: does a test notice? `make mutation`
+
+A change is one comparison, constant, operator, condition, returned value, caught or raised exception, or a statement
+left out (`operators.py`). Results are kept in a folder; what was found is tried again when its module changes, what
+survived when a test does.
+"""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from benchmarks.kept import keep_line, kept_lines
+from benchmarks.mutation.forks import Status
+from benchmarks.mutation.mutants import Mutant, mutants_of
+from benchmarks.mutation.packages import PACKAGES, Package, digest_of_module, digest_of_tests
+from benchmarks.mutation.reach import reach_of
+from benchmarks.mutation.scores import score
+from benchmarks.mutation.trials import tried
+
+_TELL_EACH = 25
+_FINAL = (Status.KILLED, Status.ENDLESS, Status.STILLBORN)
+
+
+def _kept(package: Package, path: Path) -> dict[str, Status]:
+    """What became of each mutant, where neither its module nor, for a survivor, a test has changed since."""
+    codes = {module: digest_of_module(module) for module in package.modules}
+    tests = digest_of_tests(package)
+    return {
+        line["mutant"]: Status(line["status"])
+        for line in kept_lines(path)
+        if codes.get(line["module"]) == line["code"] and (line["status"] in _FINAL or line["tests"] == tests)
+    }
+
+
+def _try_out(package: Package, folder: Path) -> list[Mutant]:
+    """Try what is left to try; every mutant of the package."""
+    mutants = [mutant for module in package.modules for mutant in mutants_of(module)]
+    path = folder / f"{package.name}.jsonl"
+    kept = _kept(package, path)
+    left = [mutant for mutant in mutants if mutant.key not in kept]
+    print(f"{package.name}: {len(mutants)} mutants, {len(left)} to try", flush=True)
+    if left:
+        _try_left(package, left, folder, path)
+    return mutants
+
+
+def _try_left(package: Package, left: list[Mutant], folder: Path, path: Path) -> None:
+    tests = digest_of_tests(package)
+    reach = reach_of(package, folder, tests)
+    for number, (mutant, outcome) in enumerate(tried(package, left, reach), 1):
+        line: dict[str, Any] = {"mutant": mutant.key, "module": mutant.module, "status": outcome.status}
+        keep_line(path, line | {"by": outcome.by, "code": digest_of_module(mutant.module), "tests": tests})
+        if number % _TELL_EACH == 0 or outcome.status not in _FINAL:
+            print(f"{number:5}/{len(left)}  {outcome.status:9}  {_named(mutant)}", flush=True)
+
+
+def _named(mutant: Mutant) -> str:
+    return f"{mutant.place}:{mutant.lines[0]}  {mutant.before}  =>  {mutant.after}"
+
+
+def _print_score(package: Package, mutants: list[Mutant], folder: Path) -> None:
+    found = score(mutants, _kept(package, folder / f"{package.name}.jsonl"))
+    print(f"\n{package.name}: {len(found.missed)} changes that no test notices")
+    for mutant in found.missed:
+        print(f"  {_named(mutant)}")
+    print(
+        f"{package.name}: {found.found} of {found.found + len(found.missed)} found, {100.0 * found.share:.1f} %; "
+        f"{len(mutants)} mutants, {found.tried} tried, {found.stillborn} that Python does not load, "
+        f"{found.equivalent} that mean the same"
+    )
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--packages", nargs="*", choices=sorted(PACKAGES), default=list(PACKAGES))
+    parser.add_argument("--folder", type=Path, required=True, help="where the results are kept")
+    arguments = parser.parse_args()
+    arguments.folder.mkdir(parents=True, exist_ok=True)
+    packages = [PACKAGES[name] for name in arguments.packages]
+    for package, mutants in [(package, _try_out(package, arguments.folder)) for package in packages]:
+        _print_score(package, mutants, arguments.folder)

@@ -1,0 +1,46 @@
+"""What the trials amount to, and which changes no test could notice."""
+
+import tomllib
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.mutation.forks import Status
+from benchmarks.mutation.mutants import Mutant
+
+_EQUIVALENT = Path(__file__).with_name("equivalent.toml")
+_FOUND = (Status.KILLED, Status.ENDLESS)
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """Of one package; what Python refuses to load and what means the same counts neither way."""
+
+    tried: int
+    found: int
+    equivalent: int
+    stillborn: int
+    missed: tuple[Mutant, ...]
+
+    @property
+    def share(self) -> float:
+        """Of the mutants that mean something else, those that a test finds."""
+        return self.found / max(1, self.found + len(self.missed))
+
+
+def reasons() -> dict[str, str]:
+    """By mutant: why it means the same as what it changes."""
+    listed = tomllib.loads(_EQUIVALENT.read_text())["equivalent"]
+    return {key: entry["reason"] for entry in listed for key in entry["mutants"]}
+
+
+def score(mutants: Iterable[Mutant], statuses: Mapping[str, Status]) -> Score:
+    """Of those that were tried."""
+    tried = [mutant for mutant in mutants if mutant.key in statuses]
+    same = reasons()
+    counts = Counter(statuses[mutant.key] for mutant in tried)
+    found = sum(counts[status] for status in _FOUND)
+    left = [mutant for mutant in tried if statuses[mutant.key] in (Status.SURVIVED, Status.UNREACHED)]
+    missed = tuple(mutant for mutant in left if mutant.key not in same)
+    return Score(len(tried), found, len(left) - len(missed), counts[Status.STILLBORN], missed)
