@@ -1,15 +1,16 @@
 """The DICOM receiver: answers success only after the bytes are committed; decoding comes later, elsewhere."""
 
 import secrets
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import structlog
 from pydicom import Dataset
 from pynetdicom import AE, AllStoragePresentationContexts, evt
 from pynetdicom.sop_class import Verification
-from pynetdicom.transport import ThreadedAssociationServer
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.audit import record_audit
@@ -18,6 +19,7 @@ from service.errors import ErrorCode, ServiceError
 from service.images import store
 from service.images.arrivals import ImageArrivals
 from service.images.dicom_header import read_header
+from service.images.dicom_port import MOST_CONNECTIONS, PDU_BYTES, DicomPort
 from service.settings import DicomSettings
 
 _log = structlog.get_logger(__name__)
@@ -29,8 +31,7 @@ _STATUS: dict[str, int] = {ErrorCode.IMAGE_UID_TAKEN: _CANNOT_UNDERSTAND}
 # Room for the headers of the protocol's own units around a largest image.
 _PROTOCOL_OVERHEAD = 1.05
 _TIMEOUT_S = 30.0
-# The greatest that dcmtk sends. Each unit costs Python some work, which the rest of the service waits for.
-_PDU_BYTES = 131_072
+_LOOKS_EVERY_S = 0.1  # how late the port notices that it is to close
 # An empty list lets everybody in; nobody can know this title, so that nobody comes in where no caller is named.
 _NOBODY = secrets.token_hex(8)
 _TO_NAME_CALLERS = 'dicom.accepted_callers = ["CARM"] in the settings, or COAXIAL_DICOM__ACCEPTED_CALLERS=\'["CARM"]\''
@@ -62,7 +63,8 @@ class DicomReceiver:
             entity.add_supported_context(context.abstract_syntax, [*_UNCOMPRESSED, *_COMPRESSED])
         entity.add_supported_context(Verification)
         entity.require_calling_aet = list(self._settings.accepted_callers) or [_NOBODY]
-        entity.maximum_pdu_size = _PDU_BYTES
+        entity.maximum_pdu_size = PDU_BYTES
+        entity.maximum_associations = MOST_CONNECTIONS
         entity.acse_timeout = entity.dimse_timeout = entity.network_timeout = _TIMEOUT_S
         server = self._started(entity)
         if not self._settings.accepted_callers:
@@ -72,7 +74,7 @@ class DicomReceiver:
         finally:
             server.shutdown()
 
-    def _started(self, entity: AE) -> ThreadedAssociationServer:
+    def _started(self, entity: AE) -> DicomPort:
         address = (self._settings.host, self._settings.port)
         handlers = [
             (evt.EVT_C_STORE, self._on_store),
@@ -80,10 +82,13 @@ class DicomReceiver:
             (evt.EVT_REJECTED, self._on_rejected),
         ]
         try:
-            return entity.start_server(address, block=False, evt_handlers=handlers)
+            server: DicomPort = entity.make_server(address, evt_handlers=handlers, server_class=DicomPort)
         except OSError as error:
             message = f"cannot listen for DICOM on {address[0]}:{address[1]} ({error.strerror})"
             raise ServiceError(ErrorCode.SETTINGS_REFUSED, message) from error
+        listen = partial(server.serve_forever, poll_interval=_LOOKS_EVERY_S)
+        threading.Thread(target=listen, name="dicom-port", daemon=True).start()
+        return server
 
     def _on_data(self, event: Any) -> None:
         """Count bytes of the message under way, and hang up before memory is full (H31)."""
