@@ -4,9 +4,12 @@
     def target_confirmed(session: Annotated[Session, Depends(require(Permission.TARGET))]) -> ...: ...
 
 Stop alone uses `stop_caller`, which asks no database.
+
+What asks none is async: anything else would wait for a free thread, and for its turn with the interpreter, once more.
 """
 
-from collections.abc import Callable
+import asyncio
+from collections.abc import Awaitable, Callable
 from typing import Annotated
 
 import structlog
@@ -51,7 +54,7 @@ def any_session(
     return session
 
 
-def current_session(session: Annotated[Session, Depends(any_session)]) -> Session:
+async def current_session(session: Annotated[Session, Depends(any_session)]) -> Session:
     """The caller's session, active; ServiceError SESSION_LOCKED or SESSION_EXPIRED otherwise."""
     if session.status is SessionStatus.LOCKED:
         raise ServiceError(ErrorCode.SESSION_LOCKED, "the session is locked after a pause")
@@ -63,10 +66,7 @@ def current_session(session: Annotated[Session, Depends(any_session)]) -> Sessio
 async def stop_caller(
     connection: HTTPConnection, parts: Annotated[Parts, Depends(parts_of)], _: Annotated[None, _SameSite]
 ) -> Session:
-    """Everyone who has signed in, from memory alone: no database stands between a person and the stop.
-
-    Async, as what it depends on: others would wait for a free thread, and threads wait for the database.
-    """
+    """Everyone who has signed in, from memory alone: no database stands between a person and the stop."""
     token = bearer_or_cookie(connection)
     session = parts.sessions.remembered(token) if token else None
     if session is None:
@@ -74,16 +74,16 @@ async def stop_caller(
     return session
 
 
-def require(permission: Permission) -> Callable[..., Session]:
+def require(permission: Permission) -> Callable[..., Awaitable[Session]]:
     """A dependency that lets only roles with `permission` through; ServiceError PERMISSION_MISSING, recorded."""
 
-    def permitted(
+    async def permitted(
         connection: HTTPConnection,
         session: Annotated[Session, Depends(current_session)],
         parts: Annotated[Parts, Depends(parts_of)],
     ) -> Session:
         if not allows(session.role, permission):
-            _record_refusal(connection, parts, session, permission)
+            await asyncio.to_thread(_record_refusal, connection, parts, session, permission)
             raise ServiceError(ErrorCode.PERMISSION_MISSING, f"the role {session.role} may not {permission}")
         return session
 

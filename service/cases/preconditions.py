@@ -17,7 +17,7 @@ def etag(version: int) -> str:
     return f'"{version}"'
 
 
-def expected_version(if_match: Annotated[str | None, Header()] = None) -> int:
+async def expected_version(if_match: Annotated[str | None, Header()] = None) -> int:
     """The version in If-Match; ServiceError VERSION_MISSING without one that is a number."""
     digits = (if_match or "").strip().strip('"')
     if not (digits.isascii() and digits.isdigit() and len(digits) <= 15):

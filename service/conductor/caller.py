@@ -36,10 +36,10 @@ class Caller:
 ControlToken = Annotated[int | None, Header(ge=0, le=2**31)]
 
 
-def requesting(permission: Permission) -> Callable[..., Caller]:
+def requesting(permission: Permission) -> Callable[..., Awaitable[Caller]]:
     """A dependency for requests; ServiceError VERSION_MISSING, IDEMPOTENCY_KEY_MISSING or PERMISSION_MISSING."""
 
-    def caller(
+    async def caller(
         case_id: str,
         session: Annotated[Session, Depends(require(permission))],
         version: Annotated[int, Depends(expected_version)],

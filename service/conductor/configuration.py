@@ -3,9 +3,7 @@
 import hashlib
 from dataclasses import dataclass
 
-from sqlalchemy.engine import Connection
-
-from service.cases import store
+from service.cases.records import StoredCase
 from service.conductor.device_set import DeviceSet
 from service.version import PRODUCT_VERSION
 
@@ -18,9 +16,8 @@ class Configuration:
     opened: str
 
 
-def configuration_of(connection: Connection, case_id: str, settings_sha256: str, devices: DeviceSet) -> Configuration:
+def configuration_of(case: StoredCase, settings_sha256: str, devices: DeviceSet) -> Configuration:
     """The configuration of a case; its device files count as they were stored, and as they are read now."""
-    case = store.read_case(connection, case_id)
     return Configuration(
         now=_hash(PRODUCT_VERSION, settings_sha256, devices.bytes_sha256),
         opened=_hash(case.product_version, case.settings_sha256, devices.sha256),

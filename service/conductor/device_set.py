@@ -12,7 +12,7 @@ from sqlalchemy.engine import Connection
 from robot.room_shapes import RoomShapes, read_room
 from robot.tool import Tool, read_tool
 from service.database import tables
-from service.devices.store import DeviceKind, device_bytes, expired, read_device
+from service.devices.store import DeviceKind, expired, files_with_bytes
 from workflow.triggers import Trigger
 
 
@@ -47,8 +47,10 @@ def device_ids(connection: Connection, case_id: str) -> dict[str, str]:
 def read_devices(connection: Connection, ids: Mapping[str, str]) -> DeviceSet:
     """The files; ServiceError DEVICE_UNKNOWN."""
     today = datetime.now(UTC).date()
-    files = {kind: read_device(connection, ids[kind]) for kind in DeviceKind if kind in ids}
-    contents = {kind: device_bytes(connection, file.id) for kind, file in files.items()}
+    chosen = {kind: ids[kind] for kind in DeviceKind if kind in ids}
+    found = files_with_bytes(connection, chosen.values())
+    files = {kind: found[device_id][0] for kind, device_id in chosen.items()}
+    contents = {kind: found[device_id][1] for kind, device_id in chosen.items()}
     return DeviceSet(
         guide=contents[DeviceKind.GUIDE],
         carm=contents[DeviceKind.CARM],

@@ -87,11 +87,12 @@ class Rules:
 
 def stand(connection: Connection, rules: Rules, case_id: str, trigger: Trigger) -> Standing:
     """The case and the world; ServiceError CASE_UNKNOWN, CASE_ELSEWHERE."""
-    _check_room(rules, store.read_case(connection, case_id).room)
+    opened = store.read_case(connection, case_id)
+    _check_room(rules, opened.room)
     last = store.newest_event(connection, case_id)
     case, lease = from_json(dict(last.case_state)), lease_of(connection, case_id)
     devices = devices_of(connection, case_id)
-    configuration = configuration_of(connection, case_id, rules.settings_sha256, devices)
+    configuration = configuration_of(opened, rules.settings_sha256, devices)
     held = Held(lease.fencing_token if lease else None, devices, configuration)
     return Standing(connection, last, case, measure(rules.watch, case, trigger, held), lease)
 

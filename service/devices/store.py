@@ -1,6 +1,6 @@
 """Device files as uploaded: versioned, hashed, and held to what their readers find plausible (H09, H10)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from datetime import date
 from enum import StrEnum
@@ -97,6 +97,17 @@ def read_device(connection: Connection, device_id: str) -> StoredDevice:
     return _one(connection, tables.device_files.c.id == device_id, f"there is no device file {device_id}")
 
 
+def files_with_bytes(connection: Connection, device_ids: Collection[str]) -> dict[str, tuple[StoredDevice, bytes]]:
+    """Device files with their bytes, by id, in one look; ServiceError DEVICE_UNKNOWN."""
+    files = tables.device_files.c
+    rows = connection.execute(sa.select(*_columns(), files.content).where(files.id.in_(device_ids)))
+    found = {row.id: (_device(row), row.content) for row in rows}
+    for device_id in device_ids:
+        if device_id not in found:
+            raise ServiceError(ErrorCode.DEVICE_UNKNOWN, f"there is no device file {device_id}")
+    return found
+
+
 def newest_device(connection: Connection, kind: DeviceKind) -> StoredDevice:
     """The file of a kind that was uploaded last; ServiceError DEVICE_UNKNOWN."""
     files = tables.device_files
@@ -169,4 +180,5 @@ def _columns() -> list[sa.Column[object]]:
 
 
 def _device(row: sa.Row[*tuple[Any, ...]]) -> StoredDevice:
-    return StoredDevice(**{**row._mapping, "kind": DeviceKind(row.kind)})
+    values = {name: row._mapping[name] for name in StoredDevice.__slots__}
+    return StoredDevice(**values | {"kind": DeviceKind(row.kind)})
