@@ -40,7 +40,7 @@ tests: $(VENV)/.test
 	$(BIN)/python -m pytest -n 2 --database postgresql $(ON_POSTGRESQL)
 	$(BIN)/python -m pytest -n 2 --dist loadfile -m "real_time and not matrix and not lengthy"
 
-bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; COUNT=2000 trials of KINDS, or MINUTES, in ROOMS=1 side by side; kept in FOLDER
+bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; COUNT=2000 trials of KINDS, or MINUTES, in ROOMS=1, kinds side by side; kept in FOLDER
 	$(BIN)/python -m benchmarks.stop --count $(or $(COUNT),2000) $(if $(KINDS),--kinds $(KINDS)) \
 	  $(if $(MINUTES),--minutes $(MINUTES)) --rooms $(or $(ROOMS),1) --folder $(or $(FOLDER),$(VENV)/stop)
 

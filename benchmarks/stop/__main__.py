@@ -3,15 +3,16 @@
     python -m benchmarks.stop --folder FOLDER [--count N] [--kinds KIND ...] [--minutes M] [--rooms R] [--idle]
 
 Kinds: heartbeat (lost link: beyond the 200 ms of silence), release, stop (by HTTP, every role), stop_elsewhere (in the
-states that it takes images to reach, for which the load pauses; a tenth as many; best in one room), kill_service,
-kill_guard (to its parent's stop; every other time to the controller's watchdog alone), nuisance (held motions of 12 mm
-behind a network that jitters by 40 ms: how many do not arrive; half as many as of the others). The
-controller is a process of its own whose log, on the monotonic clock of the machine, is the witness. Controller, network
-and the clients run before the load where the system lets them; it pauses while a service starts. Every trial is a line
-of FOLDER/KIND.jsonl, and a run goes on where the last one ended, however it ended; FOLDER/summary.json has the figures
-of all that are there. Exit status 1 where a limit is missed. --minutes: begin no trial after so long. --idle: no load.
---rooms: so many side by side beside one load, which never pauses, each with its part of the trials in a folder of its
-own; they disturb one another, as a room by itself is not disturbed.
+states that it takes images to reach, for which the load pauses; a tenth as many), kill_service (the next one forked
+from a process that has imported everything, every twentieth started whole; the figures tell them apart), kill_guard (to
+its parent's stop; every other time to the controller's watchdog alone), nuisance (held motions of 12 mm behind a
+network that jitters by 40 ms: how many do not arrive; half as many as of the others). The controller is a process of
+its own whose log, on the monotonic clock of the machine, is the witness. Controller, network and the clients run before
+the load where the system lets them; it pauses while a service starts. Every trial is a line of FOLDER/KIND.jsonl, and a
+run goes on where the last one ended, however it ended; FOLDER/summary.json has the figures of all that are there. Exit
+status 1 where a limit is missed. --minutes: begin no trial after so long. --idle: no load.
+--rooms: so many side by side beside one load, which then never pauses; a kind in each, taken in turn, with a folder of
+its own; one that is named twice is divided between two. They disturb one another, as a room by itself is not disturbed.
 """
 
 import argparse
@@ -42,7 +43,10 @@ LIMITS = {
     "nuisance": Limits(bad_share=1e-3),
 }
 _FEWER = {"nuisance": 2, "stop_elsewhere": 10}  # one trial for so many of the others
+# The longest first, the two that start processes anew divided: so rooms side by side end at about the same time.
+_ALL = 2 * ["kill_service"] + 2 * ["kill_guard"] + ["heartbeat", "nuisance", "release", "stop_elsewhere", "stop"]
 _TELL_EVERY_S = 20.0
+_LOOK_S = 0.5
 _ROOMS_LAST = 200  # trials: a new room then, so that no log grows without end
 
 
@@ -71,9 +75,12 @@ def room_of(kind: str, load: Load) -> Iterator[Callable[[int], Trial]]:
     """A trial of this kind, by its number."""
     with tempfile.TemporaryDirectory(prefix="coaxial-stop-") as folder:
         place = Path(folder) / "data"
-        guarded = kind in ("heartbeat", "kill_guard")
-        with GuardRoom(place, load) if guarded else ServiceRoom(place, load, jitters=kind == "nuisance") as room:
-            yield getattr(room, kind)
+        if kind in ("heartbeat", "kill_guard"):
+            room: GuardRoom | ServiceRoom = GuardRoom(place, load)
+        else:
+            room = ServiceRoom(place, load, jitters=kind == "nuisance", forks=kind == "kill_service")
+        with room as entered:
+            yield getattr(entered, kind)
 
 
 def run(kept: Kept, wanted: int, load: Load, end_s: float) -> None:
@@ -88,16 +95,23 @@ def run(kept: Kept, wanted: int, load: Load, end_s: float) -> None:
                 progress.tell()
 
 
-def run_side_by_side(chosen: argparse.Namespace) -> None:
-    """A process for each room, with its part of the trials."""
-    command = [sys.executable, "-m", "benchmarks.stop", "--idle", "--minutes", str(chosen.minutes)]
-    command += ["--count", str(-(-chosen.count // chosen.rooms)), "--kinds", *chosen.kinds]
-    folders = [chosen.folder / f"room-{room + 1}" for room in range(chosen.rooms)]
-    with ExitStack() as running:
-        processes = [running.enter_context(subprocess.Popen([*command, "--folder", str(one)])) for one in folders]
-        for process in processes:
-            running.callback(process.terminate)
-        for process in processes:
+def run_side_by_side(chosen: argparse.Namespace, end_s: float) -> None:
+    """A process for each kind, or each part of one, so many at a time."""
+    with ExitStack() as started:
+        running: list[subprocess.Popen[bytes]] = []
+        for number, kind in enumerate(chosen.kinds):
+            while len(running) == chosen.rooms:
+                time.sleep(_LOOK_S)
+                running = [process for process in running if process.poll() is None]
+            command = [sys.executable, "-m", "benchmarks.stop", "--idle", "--kinds", kind]
+            command += ["--count", str(-(-chosen.count // chosen.kinds.count(kind)))]
+            command += ["--minutes", str((end_s - time.monotonic()) / 60.0)]
+            part = chosen.kinds[:number].count(kind) + 1
+            process = subprocess.Popen([*command, "--folder", str(chosen.folder / f"{kind}-{part}")])
+            started.enter_context(process)
+            started.callback(process.terminate)
+            running.append(process)
+        for process in running:
             process.wait()
 
 
@@ -118,7 +132,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--folder", type=Path, required=True)
     parser.add_argument("--count", type=int, default=2000)
-    parser.add_argument("--kinds", nargs="+", choices=LIMITS, default=list(LIMITS))
+    parser.add_argument("--kinds", nargs="+", choices=LIMITS, default=_ALL)
     parser.add_argument("--minutes", type=float, default=float("inf"))
     parser.add_argument("--rooms", type=int, default=1)
     parser.add_argument("--idle", action="store_true")
@@ -128,7 +142,7 @@ def main() -> int:
     gc.freeze()  # a tablet has no such heap to search, nor have the other clients
     with Load(wanted=not chosen.idle) as load:
         if chosen.rooms > 1:
-            run_side_by_side(chosen)
+            run_side_by_side(chosen, end_s)
         for kind in chosen.kinds if chosen.rooms == 1 else ():
             run(Kept(chosen.folder, kind), max(1, chosen.count // _FEWER.get(kind, 1)), load, end_s)
     return 1 if Verdict.MISSED in report(chosen.folder) else 0

@@ -13,7 +13,7 @@ from typing import Self
 from unittest.mock import patch
 
 from benchmarks.stop.load import Load
-from benchmarks.stop.precedence import ahead
+from benchmarks.stop.precedence import put_ahead
 from benchmarks.stop.results import Trial
 from benchmarks.stop.wire import Wire
 from robot.guard.client import GuardConfig
@@ -36,11 +36,12 @@ class GuardRoom:
 
     def __enter__(self) -> Self:
         with ExitStack() as opened:
-            with ahead():
-                settings = ControllerSettings(free_loopback_address())
-                self._controller = opened.enter_context(ControllerProcess(settings))
+            settings = ControllerSettings(free_loopback_address())
+            self._controller = opened.enter_context(ControllerProcess(settings))
+            put_ahead(self._controller.pid)
             self._wire = Wire(self._controller)
-            self._bench = Bench(GuardConfig(self._controller.address, self._folder), self._controller)
+            config = GuardConfig(self._controller.address, self._folder, restart_after_s=0.0)
+            self._bench = Bench(config, self._controller)
             opened.callback(self._bench.close)
             with self._load.paused():
                 self._bench.start()

@@ -3,8 +3,18 @@
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 
 from robot.guard.precedence import take_precedence
+
+_RANK = 10  # the guard's
+
+
+def put_ahead(process_id: int) -> None:
+    """A process that is up: what it imports while it starts, at that rank, would be no part of a real room's load."""
+    with suppress(PermissionError):
+        for thread in Path(f"/proc/{process_id}/task").iterdir():
+            os.sched_setscheduler(int(thread.name), os.SCHED_RR, os.sched_param(_RANK))
 
 
 @contextmanager

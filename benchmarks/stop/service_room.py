@@ -8,9 +8,10 @@ from typing import Self
 
 import numpy as np
 
+from benchmarks.stop.forked_service import ForkedService, Nursery
 from benchmarks.stop.jitter import jittering
 from benchmarks.stop.load import Load
-from benchmarks.stop.precedence import ahead
+from benchmarks.stop.precedence import ahead, put_ahead
 from benchmarks.stop.results import Trial
 from benchmarks.stop.wire import Wire
 from coaxial_client import Coaxial, NoAnswer, Refused
@@ -24,6 +25,7 @@ from tests.system.walk import Walk, lift, lifting, until
 
 _WAY_MM = 12.0
 _SPAN_MM = 40.0
+_WHOLE_EVERY = 20
 _NOT_BEGUN = ("refused", "not_started")  # how a hold ends whose motion nothing had to stop
 # Stops are pressed in these, one leading to the next.
 _OFTEN = ("moving", "safe_hold", "case_open", "safe_hold")
@@ -44,25 +46,28 @@ _ELSEWHERE = (
 class ServiceRoom:
     """One service and one controller, used trial by trial; the tablet perhaps behind a network that jitters."""
 
-    def __init__(self, folder: Path, load: Load, jitters: bool = False) -> None:
+    def __init__(self, folder: Path, load: Load, *, jitters: bool = False, forks: bool = False) -> None:
         self._folder = folder
         self._load = load
         self._jitters = jitters
+        self._forks = forks
 
     def __enter__(self) -> Self:
         flange_from_tcp = np.eye(4)
         flange_from_tcp[2, 3] = 150.0
         with ExitStack() as opened, self._load.paused():
             settings = ControllerSettings(free_loopback_address(), flange_from_tcp=flange_from_tcp, payload=Payload())
-            with ahead():
-                self._controller = opened.enter_context(ControllerProcess(settings))
+            self._controller = opened.enter_context(ControllerProcess(settings))
+            put_ahead(self._controller.pid)
             self._wire = Wire(self._controller)
             self._folder.mkdir(parents=True)
             database_url = opened.enter_context(SqliteFiles(self._folder.parent).migrated(self._folder))
-            self._service = Service(self._folder, self._controller.address, database_url)
+            whole = Service(self._folder, self._controller.address, database_url)
+            self._services = [whole, *self._forked(opened, database_url)]
             add_users(database_url)
-            self._service.start()
-            opened.callback(self._service.end)
+            self._service = whole
+            whole.start()
+            opened.callback(lambda: self._service.end())
             self._sign_in(opened)
             self._carm = CArm(self._service, str(CASE["patient_id"]), str(CASE["study_uid"]))
             self._case = prepare(self._room.open_case(CASE))
@@ -78,6 +83,14 @@ class ServiceRoom:
         self._room.sign_in("surgeon", PASSWORD)
         upload_devices(self._room)
         self._pressers = [self._service.sign_in(role.value) for role in Role]
+
+    def _forked(self, opened: ExitStack, database_url: str) -> list[ForkedService]:
+        """The same service as it starts where it is killed again and again: the imports would take hours."""
+        if not self._forks:
+            return []
+        nursery = Nursery()
+        opened.callback(nursery.close)
+        return [ForkedService(self._folder, self._controller.address, database_url, nursery=nursery)]
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._opened.close()
@@ -114,20 +127,22 @@ class ServiceRoom:
         self._new_case()
         return trial
 
-    def kill_service(self, _: int) -> Trial:
-        """SIGKILL of the service amid a motion: from the signal to the wire."""
+    def kill_service(self, number: int) -> Trial:
+        """SIGKILL of the service amid a motion: from the signal to the wire. The next is forked, or started whole."""
         self._wire.mark()
+        killed = "started whole" if self._service is self._services[0] else "forked"
         with lifting(self._case, self._controller, self._way_mm()):
             at_s = time.monotonic()
             self._service.kill()
         late_ms = self._wire.first_stop_ms(at_s)
+        self._service = self._services[0 if number % _WHOLE_EVERY == 0 else -1]
         with self._load.paused():
             self._service.start()
             self._room = self._service.sign_in()
             self._case = self._room.case(self._case.id)
             self._case.take_lease("after the kill")
             self._calm()
-        return Trial(late_ms, late_ms is not None, "moving")
+        return Trial(late_ms, late_ms is not None, killed)
 
     def nuisance(self, _: int) -> Trial:
         """A held motion that is to arrive, the tablet behind a network that jitters."""
