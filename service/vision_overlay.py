@@ -14,7 +14,7 @@ from vision.plate import ball_spots
 from vision.projection import View, project
 from vision.refusal import Refusal
 from vision.registered import PixelSpace, Registration
-from vision.wire_model import Wire, curve
+from vision.wire_model import Wire, samples_at
 from vision.xray import XrayImage
 
 Array = NDArray[np.float64]
@@ -52,9 +52,9 @@ def _aim(registration: Registration, target: Json) -> Aim | Refusal:
 def _wires(registration: Registration, view: View) -> dict[str, list[tuple[float, float]]]:
     guide, turn = registration.guide, np.linspace(0.0, 2.0 * np.pi, _PLACES + 1)
     along = np.linspace(guide.line_start_mm, guide.line_end_mm, _PLACES)
-    places = {Wire.SMALL_RING: turn, Wire.BIG_RING: turn, Wire.LINE: along}
-    raw = registration.distortion.raw_from_corrected
-    return {_NAMES[wire]: _pairs(raw(curve(view, guide, wire, at)[0])) for wire, at in places.items()}
+    samples = samples_at(view, guide, [turn, turn, along])
+    raw = registration.distortion.raw_from_corrected(samples.points)
+    return {name: _pairs(raw[samples.wire == wire]) for wire, name in _NAMES.items()}
 
 
 def _ahead(registration: Registration, aim: Aim | None) -> Json:

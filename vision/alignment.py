@@ -18,29 +18,29 @@ _GREATEST_DEPTH_MM = 500.0
 
 
 def ray_in_source(intrinsics: Intrinsics, pixel_corrected: Array) -> Array:
-    """Unit direction (3,) in the source frame, from the source through a corrected pixel (2,); eq. (2)."""
-    x = (pixel_corrected[0] - intrinsics.u0_px) / intrinsics.alpha_x_px
-    y = (pixel_corrected[1] - intrinsics.v0_px) / intrinsics.alpha_y_px
-    direction = np.array([x, y, 1.0])
-    return np.asarray(direction / np.linalg.norm(direction))
+    """Unit directions (..., 3) in the source frame, from the source through corrected pixels (..., 2); eq. (2)."""
+    x = (pixel_corrected[..., 0] - intrinsics.u0_px) / intrinsics.alpha_x_px
+    y = (pixel_corrected[..., 1] - intrinsics.v0_px) / intrinsics.alpha_y_px
+    direction = np.stack((x, y, np.ones_like(x)), axis=-1)
+    return np.asarray(direction / np.linalg.norm(direction, axis=-1, keepdims=True))
 
 
 def goal(view: View, pixel_corrected: Array) -> tuple[Array, Array]:
-    """Where the guide must go so that its axis is the pixel's ray.
+    """Where the guide must go so that its axis is a pixel's ray.
 
     Parameters
     ----------
     view : View
         Intrinsics and `source_from_guide`.
     pixel_corrected : Array
-        (2,), corrected pixel of the target.
+        (..., 2), corrected pixels of targets.
 
     Returns
     -------
     guide_from_goal : Array
-        (4, 4), mm.
+        (..., 4, 4), mm.
     rotation_vector : Array
-        (3,), guide frame, rad: the minimal rotation.
+        (..., 3), guide frame, rad: the minimal rotation.
 
     Notes
     -----
@@ -49,11 +49,12 @@ def goal(view: View, pixel_corrected: Array) -> tuple[Array, Array]:
     """
     rotation, translation = view.source_from_guide[:3, :3], view.source_from_guide[:3, 3]
     ray = ray_in_source(view.intrinsics, pixel_corrected)
-    goal_in_guide = rotation.T @ (np.linalg.norm(translation) * ray - translation)
-    rotation_vector = angle_between(np.array([0.0, 0.0, 1.0]), rotation.T @ ray)
-    guide_from_goal = np.eye(4)
-    guide_from_goal[:3, :3] = Rotation.from_rotvec(rotation_vector).as_matrix()
-    guide_from_goal[:3, 3] = goal_in_guide
+    rotation_vector = angle_between(np.array([0.0, 0.0, 1.0]), ray @ rotation)
+    guide_from_goal = np.zeros((*ray.shape[:-1], 4, 4))
+    turned = Rotation.from_rotvec(rotation_vector.reshape(-1, 3)).as_matrix()
+    guide_from_goal[..., :3, :3] = turned.reshape(*ray.shape, 3)
+    guide_from_goal[..., :3, 3] = (np.linalg.norm(translation) * ray - translation) @ rotation
+    guide_from_goal[..., 3, 3] = 1.0
     return guide_from_goal, rotation_vector
 
 

@@ -80,9 +80,13 @@ def fit_ellipse(points: Array) -> Ellipse | None:
     if len(points) < 6 or not scale > 0.0:
         return None
     x, y = ((points - mean) / scale).T
-    quadratic, linear = np.column_stack((x * x, x * y, y * y)), np.column_stack((x, y, np.ones_like(x)))
-    linear_from_quadratic = -np.linalg.lstsq(linear, quadratic, rcond=None)[0]
-    scatter = quadratic.T @ (quadratic + linear @ linear_from_quadratic)
+    terms = np.stack((x * x, x * y, y * y, x, y, np.ones_like(x)))
+    moments = terms @ terms.T
+    quadratic, mixed, linear = moments[:3, :3], moments[:3, 3:], moments[3:, 3:]
+    if not np.linalg.det(linear / len(points)) > _THINNEST_AXIS_RATIO**2:
+        return None
+    linear_from_quadratic = -np.linalg.solve(linear, mixed.T)
+    scatter = quadratic + mixed @ linear_from_quadratic
     constrained = np.array([scatter[2] / 2.0, -scatter[1], scatter[0] / 2.0])
     values, vectors = np.linalg.eig(constrained)
     candidates = np.real(vectors[:, np.isreal(values)])
@@ -102,31 +106,28 @@ def fit_ellipse(points: Array) -> Ellipse | None:
 def conic_from_ellipse(ellipse: Ellipse) -> Array:
     """Symmetric (3, 3) conic of an ellipse, corrected pixels, negative inside."""
     cosine, sine = math.cos(ellipse.angle_rad), math.sin(ellipse.angle_rad)
-    axes = np.array([[cosine, sine], [-sine, cosine]]) / np.array(ellipse.semi_axes_px)[:, None]
-    centre = np.array(ellipse.centre_px)
-    unit_from_image = np.vstack((np.column_stack((axes, -axes @ centre)), (0.0, 0.0, 1.0)))
-    return np.asarray(unit_from_image.T @ np.diag((1.0, 1.0, -1.0)) @ unit_from_image)
+    (u, v), (along, across) = ellipse.centre_px, (axis_px**-2 for axis_px in ellipse.semi_axes_px)
+    a, c = cosine**2 * along + sine**2 * across, sine**2 * along + cosine**2 * across
+    b = cosine * sine * (along - across)
+    d, e = -(a * u + b * v), -(b * u + c * v)
+    return np.array([[a, b, d], [b, c, e], [d, e, -(d * u + e * v) - 1.0]])
 
 
 def ellipse_from_conic(conic: Array) -> Ellipse | None:
     """The ellipse of a symmetric (3, 3) conic of either sign; None where the conic is no real ellipse."""
-    conic = conic * np.sign(np.trace(conic[:2, :2]))
-    values, vectors = np.linalg.eigh(conic[:2, :2])
-    if not values[0] > 0.0:
+    (a, b, d), (_, c, e), (_, _, f) = (conic * np.sign(conic[0, 0] + conic[1, 1])).tolist()
+    determinant, mean, spread = a * c - b * b, (a + c) / 2.0, math.hypot((a - c) / 2.0, b)
+    if not determinant > 0.0:
         return None
-    centre = -np.linalg.solve(conic[:2, :2], conic[:2, 2])
-    at_centre = float(conic[2, 2] + conic[:2, 2] @ centre)
+    u, v = (b * e - c * d) / determinant, (b * d - a * e) / determinant
+    at_centre = f + d * u + e * v
     if not at_centre < 0.0:
         return None
-    major, minor = np.sqrt(-at_centre / values)
-    u, v = vectors[:, 0]
-    angle_rad = math.atan2(v, u) if u > 0.0 or (u == 0.0 and v > 0.0) else math.atan2(-v, -u)
-    return Ellipse((float(centre[0]), float(centre[1])), (float(major), float(minor)), angle_rad)
-
-
-def pole(conic: Array, line: Array) -> Array:
-    """Homogeneous point (3,) whose polar with respect to the (3, 3) `conic` is the homogeneous `line` (3,)."""
-    return np.asarray(np.linalg.solve(conic, line), dtype=np.float64)
+    minor_px = math.sqrt(-at_centre / (mean + spread))
+    major_px = math.sqrt(-at_centre * (mean + spread) / determinant)
+    # no negative zero: it would turn an upright axis to the other end of the range
+    angle_rad = math.atan2(0.0 - 2.0 * b, c - a) / 2.0
+    return Ellipse((u, v), (major_px, minor_px), angle_rad)
 
 
 def polar(conic: Array, point: Array) -> Array:
@@ -164,19 +165,16 @@ def true_centres(rings: RingPair, guide: Guide, nominal: Intrinsics) -> RingCent
     axis itself. It is stable at every view, the aligned one included.
     """
     matrix = nominal.matrix()
-    small, big = (matrix.T @ conic_from_ellipse(ellipse) @ matrix for ellipse in (rings.small, rings.big))
-    q, p = (np.linalg.solve(matrix, (*ellipse.centre_px, 1.0)) for ellipse in (rings.small, rings.big))
-    ratio = depth_ratio(rings, guide)
+    conics = np.stack([matrix.T @ conic_from_ellipse(ellipse) @ matrix for ellipse in (rings.small, rings.big)])
+    duals = np.linalg.inv(conics)
+    (q, p), ratio = _normalised(rings, nominal), depth_ratio(rings, guide)
     for _ in range(_CENTRE_ROUNDS):
         axis = q - ratio * p
-        q, p = _dehomogenised(pole(small, axis)), _dehomogenised(pole(big, axis))
-        chords = _half_chord(small, q, axis), _half_chord(big, p, axis)
+        poles = duals @ axis
+        q, p = poles / poles[:, 2:]
+        small, big = _half_chords(conics, poles, axis)
         # a pole outside its ellipse has no chord: infinite, and refused below
-        ratio = (
-            (guide.big_ring_radius_mm * chords[0]) / (guide.small_ring_radius_mm * chords[1])
-            if chords[1] > 0.0
-            else math.inf
-        )
+        ratio = (guide.big_ring_radius_mm * small) / (guide.small_ring_radius_mm * big) if big > 0.0 else math.inf
         if not (math.isfinite(ratio) and ratio < 1.0):
             message = "the two ellipses are no image of the guide's rings: depth ratio of big to small ring"
             return Refusal(RefusalCode.GUIDE_MISMATCH, message, ratio, 1.0)
@@ -184,18 +182,25 @@ def true_centres(rings: RingPair, guide: Guide, nominal: Intrinsics) -> RingCent
     return RingCentres((matrix @ q)[:2], (matrix @ p)[:2], line, ratio)
 
 
-def _dehomogenised(point: Array) -> Array:
-    return np.asarray(point / point[2])
+def _normalised(rings: RingPair, nominal: Intrinsics) -> Array:
+    """Centres (2, 3) of the ellipses of the small and of the big ring, homogeneous, in coordinates normalised by K."""
+    centres = np.ones((2, 3))
+    centres[:, :2] = np.array((rings.small.centre_px, rings.big.centre_px)) - (nominal.u0_px, nominal.v0_px)
+    centres[:, :2] /= nominal.alpha_x_px, nominal.alpha_y_px
+    return centres
 
 
-def _half_chord(conic: Array, point: Array, vanishing_line: Array) -> float:
-    """Half the chord through a normalised `point` (3,) parallel to the vanishing line: radius over depth, exactly."""
-    direction = np.array([vanishing_line[1], -vanishing_line[0], 0.0])
-    length = math.hypot(direction[0], direction[1])
+def _half_chords(conics: Array, poles: Array, vanishing_line: Array) -> list[float]:
+    """Half the chord of each conic (2, 3, 3) through the pole (2, 3) of a line and parallel to it: radius over depth.
+
+    A direction d of the line l and its pole p = C^-1 l are conjugate, so that the chord is even about the pole.
+    """
+    u, v, _ = vanishing_line.tolist()
+    length = math.hypot(u, v)
     # seen along the axis every direction serves
-    direction = direction / length if length > 1e-12 else np.array([1.0, 0.0, 0.0])
-    minus, plus = _chord(conic, point, direction)
-    return (plus - minus) / 2.0
+    direction = np.array([v / length, -u / length, 0.0] if length > 1e-12 else [1.0, 0.0, 0.0])
+    inside = -(poles @ vanishing_line) / (poles[:, 2] ** 2 * (conics @ direction @ direction))
+    return [math.sqrt(max(0.0, square)) for square in inside.tolist()]
 
 
 def fiducials(

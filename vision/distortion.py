@@ -16,7 +16,7 @@ from vision.table import Table
 Array = NDArray[np.float64]
 
 _NEWTON_ROUNDS = 12
-_SETTLED_PX = 5e-6  # of a round; the next one would move a tenth of it
+_SETTLED_PX = 5e-5  # of a round; the next one would move a tenth of it
 _GREATEST_DEGREE = 12  # believed from a file
 _INVERSE_REACH = 1.5  # half sizes of the image from its centre: where inverting is tried at all
 _INVERSE_DEGREE = 11  # its own displacement makes the inverse of a map of degree 7 richer

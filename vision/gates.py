@@ -86,7 +86,7 @@ def check_trust(fit: ContourFit, guide: Guide) -> Refusal | None:
     ring separation 5 % off, moves the aim by what it would cost.
     """
     pixels = project(fit.view, np.column_stack((_AIMS_MM, np.zeros(len(_AIMS_MM)))))
-    freed = [_freed(fit.view, fit.strain, guide, pixel, DEFAULT_DEPTH_MM) for pixel in pixels]
+    freed = _freed(fit.view, fit.strain, guide, pixels, DEFAULT_DEPTH_MM)
     return _check_freed(fit.strain, np.max(freed, axis=0), (WRONG_RAD, WRONG_MM))
 
 
@@ -104,11 +104,14 @@ def check_trust_at(
 
 
 def _freed(
-    view: View, strain: Strain, guide: Guide, pixel: Array, depth_mm: float, guide_from_axis: Array | None = None
+    view: View, strain: Strain, guide: Guide, pixels: Array, depth_mm: float, guide_from_axis: Array | None = None
 ) -> Array:
-    """By how much the aim, or an axis's error, changes without trust in each of k quantities: rad and mm, (k, 2)."""
-    axis = goal(view, pixel)[0] if guide_from_axis is None else guide_from_axis
-    return freed_errors(view, strain.freed_steps[:, :VIEW_PARAMETERS], guide, pixel, depth_mm, axis)
+    """By how much aims at pixels (..., 2), or an axis's errors, change without trust in each of k quantities.
+
+    In rad and mm, (..., k, 2).
+    """
+    axes = goal(view, pixels)[0] if guide_from_axis is None else guide_from_axis
+    return freed_errors(view, strain.freed_steps[:, :VIEW_PARAMETERS], guide, pixels, depth_mm, axes)
 
 
 def _check_freed(strain: Strain, freed: Array, limits: tuple[float, float]) -> Refusal | None:
@@ -158,9 +161,9 @@ def _sectors(angles_rad: Array) -> NDArray[np.bool_]:
 
 def _longest_gap(seen: NDArray[np.bool_], missing: NDArray[np.bool_]) -> float:
     """Greatest angle of missing sectors between two seen ones, rad; sectors that are neither count nothing."""
-    first = int(np.argmax(seen))
-    runs = np.split(np.roll(missing, -first), np.nonzero(np.roll(seen, -first))[0])
-    return max(int(run.sum()) for run in runs) * 2.0 * math.pi / _SECTORS
+    order = np.arange(_SECTORS) + int(np.argmax(seen))
+    runs = np.add.reduceat(missing.take(order, mode="wrap").astype(int), seen.take(order, mode="wrap").nonzero()[0])
+    return int(runs.max()) * 2.0 * math.pi / _SECTORS
 
 
 def check_line(fit: ContourFit, observations: Observations, places: WireSamples, ends: list[LineEnd]) -> Refusal | None:

@@ -1,5 +1,6 @@
 """A wire's pixels piece by piece: the unknowns' effects on them, laid out so that all pieces are solved at once."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,19 +49,23 @@ class Pieces:
             (8, n): the shadow's height and its derivative by the shift; distances across and along, in units of the
             reach; what other wires add, what balls and bead add; absorption; worth.
         """
-        height, derivative, across, along, others, crossing, values, weight, there = _padded(
-            piece, len(samples.along), rows
-        )
-        ground = there, across, along, across * along, across**2, across**3
-        return cls(samples, np.stack((height, derivative, *ground, crossing, others), axis=1), values, weight, reach_px)
+        height, derivative, across, along, others, crossing, values, weight = rows
+        square, there = across * across, np.ones_like(across)
+        ground = there, across, along, across * along, square, square * across
+        laid_out = _laid_out(piece, len(samples.along), (height, derivative, *ground, crossing, others, values, weight))
+        return cls(samples, laid_out[:, :-2], laid_out[:, -2], laid_out[:, -1], reach_px)
 
 
-def _padded(piece: NDArray[np.intp], count: int, rows: Array) -> Array:
-    """Rows (k, n) of pixels by their pieces, all as long as the longest: (k + 1, s, p), the last 1 where a pixel is."""
-    order = np.argsort(piece, kind="stable")
+def _laid_out(piece: NDArray[np.intp], count: int, rows: Sequence[Array]) -> Array:
+    """k rows (n,) of pixels by their pieces, all as long as the longest: (s, k, p), zeros where no pixel is."""
+    order = np.argsort(piece.astype(np.uint16), kind="stable")  # by digits, since the numbers are short
     sizes = np.bincount(piece, minlength=count)
     longest = int(sizes.max(initial=1))
-    slot = np.arange(len(piece)) + np.repeat(longest * np.arange(count) - np.cumsum(sizes) + sizes, sizes)
-    padded = np.zeros((len(rows) + 1, count * longest))
-    padded[:-1, slot], padded[-1, slot] = rows[:, order], 1.0
-    return padded.reshape(len(padded), count, longest)
+    place = np.empty_like(piece)
+    place[order] = np.arange(len(piece)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    laid_out = np.zeros(count * len(rows) * longest)
+    place += piece * (len(rows) * longest)
+    for row in rows:
+        laid_out[place] = row
+        place += longest
+    return laid_out.reshape(count, len(rows), longest)

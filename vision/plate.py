@@ -108,7 +108,7 @@ def _candidates(absorption: Absorption, radius_px: float) -> Array:
     window = 2 * max(1, round(2.0 * radius_px / curvature.cell_px)) + 1
     peaks = measure == cv2.dilate(measure, np.ones((window, window), np.uint8))
     peaks &= (measure > _CONTRAST_SD * curvature.noise_of(measure)) & curvature.inside
-    rows, columns = np.nonzero(peaks)
+    rows, columns = np.divmod(np.flatnonzero(peaks), peaks.shape[1])
     order = np.argsort(-measure[rows, columns])[:_MOST_CANDIDATES]
     return curvature.raw_from_cells(_summits(measure, rows[order], columns[order]))
 

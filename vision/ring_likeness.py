@@ -27,14 +27,13 @@ def rings_of(view: View, guide: Guide) -> tuple[Ellipse, ...]:
 
 def is_one_ring(one: Ellipse, other: Ellipse, within: float = _ONE_RING_WITHIN) -> bool:
     """Whether two ellipses are one ring's."""
-    apart = np.abs(np.subtract(one.centre_px + one.semi_axes_px, other.centre_px + other.semi_axes_px))
-    return bool(apart.max() < within * other.semi_axes_px[0])
+    both = zip(one.centre_px + one.semi_axes_px, other.centre_px + other.semi_axes_px, strict=True)
+    return max(abs(here - there) for here, there in both) < within * other.semi_axes_px[0]
 
 
-def is_beside(rings: Iterable[Ellipse], view: View, guide: Guide) -> bool:
-    """Whether no ring is one of a guide's in a view."""
-    both = itertools.product(rings, rings_of(view, guide))
-    return not any(is_one_ring(ring, own, _BESIDE_RING) for ring, own in both)
+def is_beside(rings: Iterable[Ellipse], known: Iterable[Ellipse]) -> bool:
+    """Whether no ring is one of those known of a guide."""
+    return not any(is_one_ring(ring, own, _BESIDE_RING) for ring, own in itertools.product(rings, known))
 
 
 def lies_on(view: View, guide: Guide, known_view: View, known_guide: Guide, within: float = _ONE_RING_WITHIN) -> bool:

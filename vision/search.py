@@ -72,13 +72,10 @@ def _with_others(found: Search, solution: Solution, scene: Scene, image: Correct
 def _clear_beside(rings: list[RingCandidate], solution: Solution) -> list[RingCandidate]:
     """Rings that are clearly there and none of the solution's, each once."""
     beside: list[RingCandidate] = []
+    own = rings_of(solution.fit.view, solution.fit.guide)
     for ring in rings:
         known = any(is_one_ring(ring.ellipse, other.ellipse) for other in beside)
-        if (
-            not known
-            and ring.support > _RING_SUPPORT
-            and is_beside((ring.ellipse,), solution.fit.view, solution.fit.guide)
-        ):
+        if not known and ring.support > _RING_SUPPORT and is_beside((ring.ellipse,), own):
             beside.append(ring)
     return beside
 
@@ -112,9 +109,10 @@ def _sees_other_guide(pairs: list[RingView], attempts: list[Attempt], solution: 
     fitted = [
         rings_of(attempt.last.fit.view, attempt.last.fit.guide)
         for attempt in attempts
-        if attempt.last and _holds_both_rings(attempt.last)
+        if attempt.outcome is not solution and attempt.last and _holds_both_rings(attempt.last)
     ]
-    return any(is_beside(rings, solution.fit.view, solution.fit.guide) for rings in (*found, *fitted))
+    own = rings_of(solution.fit.view, solution.fit.guide)
+    return any(is_beside(rings, own) for rings in (*found, *fitted))
 
 
 def _holds_both_rings(fitted: Round) -> bool:

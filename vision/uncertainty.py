@@ -86,12 +86,14 @@ def freed_errors(
 ) -> Array:
     """By how much the errors of an axis change were views some steps (k, 10) away the truth.
 
-    Steps are parametrised as in `Registration.covariance`; the other arguments are those of `alignment_bounds`. Of each
-    step the angle in rad and the distance in mm: (k, 2).
+    Steps are parametrised as in `Registration.covariance`; the other arguments are those of `alignment_bounds`, of
+    several targets (..., 2) and their axes (..., 4, 4). Of each step the angle in rad and the distance in mm:
+    (..., k, 2).
     """
     around = np.vstack((np.zeros(len(_STEPS)), steps))
     errors = _error_vectors(view, around, guide, pixel_corrected, depth_mm, guide_from_axis)
-    return np.asarray(np.linalg.norm((errors[1:] - errors[0]).reshape(-1, 2, 3), axis=2))
+    changes = errors[..., 1:, :] - errors[..., :1, :]
+    return np.asarray(np.linalg.norm(changes.reshape(*changes.shape[:-1], 2, 3), axis=-1))
 
 
 def radius_95(covariance: Array) -> float:
@@ -129,20 +131,22 @@ def _jacobian(view: View, guide: Guide, pixel_corrected: Array, depth_mm: float,
 def _error_vectors(
     view: View, steps: Array, guide: Guide, pixel_corrected: Array, depth_mm: float, guide_from_axis: Array
 ) -> Array:
-    """Angle vector (rad) and position vector (mm), stacked (k, 6), were views some steps (k, 10) away the truth.
+    """Angle vectors (rad) and position vectors (mm), stacked (..., k, 6), were views some steps (k, 10) away the truth.
 
-    Steps are added to the parameters, the pose's on the left in the source frame.
+    Steps are added to the parameters, the pose's on the left in the source frame. Targets are (..., 2), axes
+    (..., 4, 4).
     """
     intrinsics, pose = view.intrinsics, view.source_from_guide
     turned = Rotation.from_rotvec(steps[:, 4:7]).as_matrix() @ pose[:3, :3]
     translations = pose[:3, 3] + steps[:, 7:]
-    axes, on_axes = turned @ guide_from_axis[:3, 2], turned @ guide_from_axis[:3, 3] + translations
+    axes, on_axes = ((turned @ guide_from_axis[..., None, :3, column, None])[..., 0] for column in (2, 3))
     alphas = steps[:, :2] + (intrinsics.alpha_x_px, intrinsics.alpha_y_px)
-    across = (pixel_corrected - steps[:, 2:4] - (intrinsics.u0_px, intrinsics.v0_px)) / alphas
-    rays = np.column_stack((across, np.ones(len(steps))))
-    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    rays = np.ones_like(axes)
+    rays[..., :2] = (pixel_corrected[..., None, :] - steps[:, 2:4] - (intrinsics.u0_px, intrinsics.v0_px)) / alphas
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
     distances_mm = np.linalg.norm(translations, axis=1, keepdims=True) - guide.separation_mm - depth_mm
-    return np.hstack((angle_vector(axes, rays), position_vector(on_axes, axes, rays * distances_mm)))
+    off_mm = position_vector(on_axes + translations, axes, rays * distances_mm)
+    return np.concatenate((angle_vector(axes, rays), off_mm), axis=-1)
 
 
 def moved_view(view: View, step: Array) -> View:

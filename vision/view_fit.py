@@ -1,6 +1,6 @@
 """One view by least squares: what was measured, the projected model beside it, and Gauss-Newton between them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from vision.devices import Guide
 from vision.priors import Priors
-from vision.projection import View, project, projection_jacobian
+from vision.projection import Intrinsics, View, project, projection_jacobian
 from vision.wire_model import Wire, dimension_directions, with_dimensions
 from vision.wire_noise import PlaceCovariance
 
@@ -80,7 +80,7 @@ class Places:
         """Derivative (n, 13) of the residuals by the parameters, px."""
         by_view = projection_jacobian(view, self._in_guide(guide), self.observations.normals)
         by_place_in_guide = by_view[:, 7:] @ view.source_from_guide[:3, :3]
-        by_dimension = (by_place_in_guide[:, None, :] @ self.moves)[:, 0]
+        by_dimension = np.einsum("ni,nid->nd", by_place_in_guide, self.moves)
         return -np.hstack((by_view, by_dimension))
 
     def others(self, view: View, guide: Guide, priors: Priors) -> Array:
@@ -102,7 +102,7 @@ class Places:
 
     def _in_guide(self, guide: Guide) -> Array:
         dimensions = np.array([guide.small_ring_radius_mm, guide.big_ring_radius_mm, guide.separation_mm])
-        return np.asarray(self.fixed + self.moves @ dimensions)
+        return np.asarray(self.fixed + (self.moves.reshape(-1, 3) @ dimensions).reshape(-1, 3))
 
 
 def solve_view(
@@ -199,8 +199,7 @@ def _moved(view: View, guide: Guide, step: Array) -> tuple[View, Guide]:
     intrinsics, pose = view.intrinsics, view.source_from_guide.copy()
     pose[:3, :3] = cv2.Rodrigues(step[4:7])[0] @ pose[:3, :3]
     pose[:3, 3] += step[7:10]
-    moved = replace(
-        intrinsics,
+    moved = Intrinsics(
         alpha_x_px=intrinsics.alpha_x_px + float(step[0]),
         alpha_y_px=intrinsics.alpha_y_px + float(step[1]),
         u0_px=intrinsics.u0_px + float(step[2]),

@@ -109,27 +109,23 @@ def sample_wires(view: View, guide: Guide) -> WireSamples:
 
 def samples_at(view: View, guide: Guide, alongs: list[Array]) -> WireSamples:
     """Samples of the three wires at given places, (n,) for each wire in the order of `Wire`."""
-    curves = [curve(view, guide, wire, along) for wire, along in zip(Wire, alongs, strict=True)]
-    points, tangents = (np.concatenate(parts) for parts in zip(*curves, strict=True))
-    normals = _across(tangents) / np.linalg.norm(tangents, axis=1, keepdims=True)
-    wires = np.repeat(np.array(list(Wire), dtype=np.intp), [len(along) for along in alongs])
-    return WireSamples(wires, np.concatenate(alongs), points, normals)
+    wire, along = np.repeat(np.arange(len(Wire)), [len(along) for along in alongs]), np.concatenate(alongs)
+    points, tangents = _curve(view, guide, wire, along)
+    normals = _across(tangents) / np.hypot(*tangents.T)[:, None]
+    return WireSamples(wire, along, points, normals)
 
 
-def curve(view: View, guide: Guide, wire: Wire, along: Array) -> tuple[Array, Array]:
-    """Corrected pixels (n, 2) of one wire's places (n,), and their derivative (n, 2) by the place."""
-    wires = np.full(len(along), wire, dtype=np.intp)
+def _curve(view: View, guide: Guide, wire: NDArray[np.intp], along: Array) -> tuple[Array, Array]:
+    """Corrected pixels (n, 2) of places (n,) on wires (n,), and their derivative (n, 2) by the place."""
     rotation, intrinsics = view.source_from_guide[:3, :3], view.intrinsics
-    in_guide = points_in_guide(guide, wires, along)
-    x, y, z = (in_guide @ rotation.T + view.source_from_guide[:3, 3]).T
-    if wire is Wire.LINE:
-        moves = np.tile(rotation[:, 0], (len(along), 1))
-    else:
-        moves = np.column_stack((-in_guide[:, 1], in_guide[:, 0])) @ rotation[:, :2].T
+    in_guide = points_in_guide(guide, wire, along).T
+    x, y, z = rotation @ in_guide + view.source_from_guide[:3, 3:]
+    way = np.where(wire == Wire.LINE, [[1.0], [0.0]], (-in_guide[1], in_guide[0]))
+    along_x, along_y, along_z = rotation[:, :2] @ way
     u, v = x / z, y / z
     alphas = np.array([intrinsics.alpha_x_px, intrinsics.alpha_y_px])
     points = np.column_stack((u, v)) * alphas + (intrinsics.u0_px, intrinsics.v0_px)
-    tangents = np.column_stack((moves[:, 0] - u * moves[:, 2], moves[:, 1] - v * moves[:, 2])) * alphas / z[:, None]
+    tangents = np.column_stack(((along_x - u * along_z) / z, (along_y - v * along_z) / z)) * alphas
     return points, tangents
 
 
@@ -150,47 +146,54 @@ def feet(view: View, guide: Guide, wire: Wire, points: Array) -> Feet:
     image_from_plane = view.intrinsics.matrix() @ np.column_stack((pose[:3, :2], pose[:3, 2] * z_mm + pose[:3, 3]))
     u, v = np.ascontiguousarray(points.T)
     plane_from_image = np.asarray(np.linalg.inv(image_from_plane), dtype=np.float64)
-    x, y, _, _ = _carried(plane_from_image, u, v, 0.0, 0.0)
+    x, y, _ = _carried(plane_from_image, u, v)
     if wire is Wire.LINE:
         along = x
-        step, _, _ = _from_foot(image_from_plane, u, v, x, 0.0, 1.0, 0.0)
-        _, distance_px, speed_px = _from_foot(image_from_plane, u, v, x + step, 0.0, 1.0, 0.0)
+        step = _step_to_foot(image_from_plane, u, v, x, 0.0, 1.0, 0.0)
+        distance_px, speed_px = _off_foot(image_from_plane, u, v, x + step, 0.0, 1.0, 0.0)
     else:
         radius_mm = guide.small_ring_radius_mm if wire is Wire.SMALL_RING else guide.big_ring_radius_mm
         along, onto_ring = np.arctan2(y, x), radius_mm / np.sqrt(x * x + y * y)
         x, y = x * onto_ring, y * onto_ring
-        step, _, _ = _from_foot(image_from_plane, u, v, x, y, -y, x)
+        step = _step_to_foot(image_from_plane, u, v, x, y, -y, x)
         x, y = _turned(x, y, step)
-        _, distance_px, speed_px = _from_foot(image_from_plane, u, v, x, y, -y, x)
+        distance_px, speed_px = _off_foot(image_from_plane, u, v, x, y, -y, x)
     return Feet(along + step, distance_px, speed_px)
 
 
-def _from_foot(
-    image_from_plane: Array, u: Array, v: Array, x: Array, y: Array | float, way_x: Array | float, way_y: Array | float
-) -> tuple[Array, Array, Array]:
-    """Of points (n,) from places (n,) in a plane whose wire runs along a way there, (n,) each.
-
-    How far along the way, in units of it, the foot lies; the points' distance across it, px; the way's length, px.
-    """
-    near_u, near_v, along_u, along_v = _carried(image_from_plane, x, y, way_x, way_y)
-    away_u, away_v = u - near_u, v - near_v
-    square = along_u * along_u + along_v * along_v
-    speed_px = np.sqrt(square)
-    return (
-        (away_u * along_u + away_v * along_v) / square,
-        (away_v * along_u - away_u * along_v) / speed_px,
-        speed_px,
-    )
+def _step_to_foot(
+    matrix: Array, u: Array, v: Array, x: Array, y: Array | float, way_x: Array | float, way_y: Array | float
+) -> Array:
+    """How far along a way (n,) the feet of points (n,) lie from places (n,) in a plane, in units of the way."""
+    near_u, near_v, depth = _carried(matrix, x, y)
+    along_u, along_v = _carried_ways(matrix, near_u, near_v, depth, way_x, way_y)
+    return ((u - near_u) * along_u + (v - near_v) * along_v) / (along_u * along_u + along_v * along_v)
 
 
-def _carried(
-    matrix: Array, x: Array, y: Array | float, way_x: Array | float, way_y: Array | float
-) -> tuple[Array, Array, Array, Array]:
-    """Places (n,) of a plane under a homography (3, 3), and the derivatives (n,) along the ways there."""
+def _off_foot(
+    matrix: Array, u: Array, v: Array, x: Array, y: Array | float, way_x: Array | float, way_y: Array | float
+) -> tuple[Array, Array]:
+    """Distances (n,) of points across the ways through their feet, and the lengths (n,) of these ways, px."""
+    near_u, near_v, depth = _carried(matrix, x, y)
+    along_u, along_v = _carried_ways(matrix, near_u, near_v, depth, way_x, way_y)
+    speed_px = np.sqrt(along_u * along_u + along_v * along_v)
+    return ((v - near_v) * along_u - (u - near_u) * along_v) / speed_px, speed_px
+
+
+def _carried(matrix: Array, x: Array, y: Array | float) -> tuple[Array, Array, Array]:
+    """Places (n,) of a plane under a homography (3, 3), and their depths (n,)."""
     (a, b, c), (d, e, f), (g, h, i) = matrix.tolist()
-    depth, deeper = g * x + h * y + i, g * way_x + h * way_y
-    u, v = (a * x + b * y + c) / depth, (d * x + e * y + f) / depth
-    return u, v, (a * way_x + b * way_y - u * deeper) / depth, (d * way_x + e * way_y - v * deeper) / depth
+    depth = g * x + (h * y + i)
+    return (a * x + (b * y + c)) / depth, (d * x + (e * y + f)) / depth, depth
+
+
+def _carried_ways(
+    matrix: Array, u: Array, v: Array, depth: Array, way_x: Array | float, way_y: Array | float
+) -> tuple[Array, Array]:
+    """Derivatives (n,) of carried places (n,) along the ways there."""
+    (a, b, _), (d, e, _), (g, h, _) = matrix.tolist()
+    deeper = g * way_x + h * way_y
+    return (a * way_x + b * way_y - u * deeper) / depth, (d * way_x + e * way_y - v * deeper) / depth
 
 
 def _turned(x: Array, y: Array, angle_rad: Array) -> tuple[Array, Array]:

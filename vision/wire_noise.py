@@ -11,8 +11,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
-from scipy.linalg.lapack import dpttrf, dpttrs
+from scipy.linalg.lapack import dpotrf, dpotrs, dpttrf, dpttrs
 
 Array = NDArray[np.float64]
 
@@ -138,13 +137,16 @@ class PlaceCovariance:
     factors : tuple of Array or None
         (n,) and (n - 1,): those of the matrix of three diagonals 1 / (1 - s) + (s N)^-1; none where nothing is shared.
     bend : Array
-        (m, n): B^T behind the inverse of the first term and of a root of 1 + B^T of that.
+        (n, m): B behind the inverse of the first term.
+    bend_factor : Array
+        (m, m): Cholesky's of 1 + B^T times that.
     """
 
     per_sd: Array
     own: float
     factors: tuple[Array, Array] | None
     bend: Array
+    bend_factor: Array
 
     @classmethod
     def of(cls, noise: WireNoise, neighbours: Neighbours, weight: Array, bend: Array) -> "PlaceCovariance":
@@ -153,13 +155,12 @@ class PlaceCovariance:
         if noise.shared > 0.0:
             diagonal, beside = neighbours.precision()
             factors = dpttrf(diagonal / noise.shared + 1.0 / own, beside / noise.shared)[:2]
-        alone = cls(np.sqrt(weight) / noise.sd_px, own, factors, bend.T[:0])
+        none = bend[:, :0]
+        alone = cls(np.sqrt(weight) / noise.sd_px, own, factors, none, none.T @ none)
         if not bend.shape[1]:
             return alone
-        held = alone.solved(bend)
-        root = np.linalg.cholesky(np.eye(bend.shape[1]) + bend.T @ held)
-        seen = np.asarray(solve_triangular(root, held.T, lower=True, check_finite=False), dtype=np.float64)
-        return cls(alone.per_sd, own, factors, seen)
+        seen = alone.solved(bend)
+        return cls(alone.per_sd, own, factors, seen, dpotrf(np.eye(bend.shape[1]) + bend.T @ seen)[0])
 
     def solved(self, values: Array) -> Array:
         """The inverse covariance times values (n, k), by Woodbury's identity."""
@@ -167,4 +168,6 @@ class PlaceCovariance:
         if self.factors is not None:
             first -= dpttrs(*self.factors, first)[0] / self.own
         first *= self.per_sd[:, None]
-        return np.asarray(first - self.bend.T @ (self.bend @ values))
+        if self.bend.shape[1]:
+            first -= self.bend @ dpotrs(self.bend_factor, self.bend.T @ values)[0]
+        return first

@@ -59,7 +59,7 @@ def ridge_points(curvature: Curvature, distortion: DistortionMap, balls: Array) 
     Steger's detector: the crest is where the derivative along the direction of greatest curvature vanishes.
     """
     strong = (curvature.greater > _CONTRAST_SD * curvature.noise_of(curvature.greater)) & curvature.inside
-    rows, columns = np.nonzero(strong)
+    rows, columns = np.divmod(np.flatnonzero(strong), strong.shape[1])
     across = curvature.greater[rows, columns]
     uu, uv, vv = (part[rows, columns] for part in (curvature.uu, curvature.uv, curvature.vv))
     angle = 0.5 * np.arctan2(2.0 * uv, uu - vv)

@@ -12,8 +12,6 @@ from vision.conics import (
     ellipse_from_conic,
     fiducials,
     fit_ellipse,
-    polar,
-    pole,
     true_centres,
 )
 from vision.devices import Guide
@@ -88,13 +86,6 @@ def test_no_ellipse_in_hyperbola_imaginary_or_empty_conic() -> None:
     assert ellipse_from_conic(np.diag([1.0, -1.0, -1.0])) is None
     assert ellipse_from_conic(np.diag([1.0, 1.0, 1.0])) is None
     assert ellipse_from_conic(np.zeros((3, 3))) is None
-
-
-@given(ellipses, st.floats(0.0, 1024.0), st.floats(0.0, 1024.0))
-def test_pole_of_the_polar_is_the_point(ellipse: Ellipse, u: float, v: float) -> None:
-    conic = conic_from_ellipse(ellipse)
-    point = pole(conic, polar(conic, np.array([u, v, 1.0])))
-    assert point / point[2] == pytest.approx((u, v, 1.0), abs=1e-6)
 
 
 @given(TILTS_DEG, TURNS_DEG, TURNS_DEG)
