@@ -31,6 +31,7 @@ import httpx
 from argon2 import PasswordHasher
 
 from benchmarks import recorded_cases
+from benchmarks.computed_results import compute
 from service.auth.permissions import Role
 from service.auth.users import UserStore
 from service.cases.attempts import record_attempt
@@ -258,7 +259,7 @@ def room(stack: ExitStack, folder: Path) -> Room:
 def results_of_a_case() -> recorded_cases.Results:
     """Computed once, where a database is missing."""
     with tempfile.TemporaryDirectory() as place:
-        return recorded_cases.compute(settings_of(Path(place)))
+        return compute(settings_of(Path(place)))
 
 
 def prepared(folder: Path, cases: int) -> Path:

@@ -19,6 +19,7 @@ from pathlib import Path
 from argon2 import PasswordHasher
 
 from benchmarks import recorded_cases
+from benchmarks.computed_results import compute
 from service.auth.permissions import Role
 from service.auth.users import UserStore
 from service.database.current import current_database
@@ -41,7 +42,7 @@ class Run:
 def record_archive(folder: Path, cases: int) -> None:
     """So many closed cases; images and results are computed once."""
     settings = Settings(data_folder=folder, min_free_bytes=0)
-    results = recorded_cases.compute(settings)
+    results = compute(settings)
     with current_database(settings) as database:
         surgeon = UserStore(database, PasswordHasher(1, 8, 1)).add("anna", Role.SURGEON, "correct horse", "2468")
         for number in range(1, cases + 1):

@@ -26,7 +26,8 @@ from pydicom import dcmread
 from pydicom.uid import generate_uid
 from rich.progress import track
 
-from benchmarks.recorded_cases import Results, compute
+from benchmarks.computed_results import compute
+from benchmarks.recorded_cases import Results
 from service.auth.permissions import Role
 from service.settings import Settings
 from tests.service.conftest import PIN

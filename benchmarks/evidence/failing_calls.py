@@ -8,60 +8,45 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.evidence.item import Trial
 from benchmarks.evidence.power_loss import look
-from benchmarks.evidence.system_calls import WRITING, recorded, with_fault
-from benchmarks.evidence.whole_case import prepare, settings_of
+from benchmarks.evidence.system_calls import WRITING, Call, with_fault
+from benchmarks.evidence.whole_case import SMALL, settings_of
 from service.audit import record_audit
 from service.database.engines import Database, open_database
 from service.errors import ServiceError
 from service.ledger.keys import signing_key
 
+CALLS = "writing-calls"  # a file of the inputs: how many of them a whole case makes
 KILLED = ("signal=SIGKILL",)
 # A call fails once, or from then on: a full disk, a disk that is broken.
 FAILING = ("error=ENOSPC", "error=EIO", "error=ENOSPC from then on", "error=EIO from then on")
 _FOREVER = " from then on"
 
 
-def writing_calls(folder: Path) -> int:
-    """How many such calls a whole case makes on the files of its database."""
-    prepared = prepared_in(folder)
-    with TemporaryDirectory() as place:
-        victim = Path(place) / "data"
-        shutil.copytree(prepared, victim)
-        calls = recorded(victim)
-    return sum(call.path.startswith("coaxial.sqlite") and call.name in WRITING for call in calls)
+def is_of_the_database(call: Call) -> bool:
+    """Whether a call is one of those that are met, in turn."""
+    return call.path.startswith("coaxial.sqlite") and call.name in WRITING
 
 
-def prepared_in(folder: Path, *, small: bool = True) -> Path:
-    """The data folder that every trial begins with, made where it is missing."""
-    prepared = folder / ("prepared" if small else "prepared-whole-images")
-    if not prepared.exists():
-        with TemporaryDirectory(dir=folder) as place:
-            prepare(Path(place) / "data", small=small)
-            (Path(place) / "data").rename(prepared)
-    return prepared
-
-
-def trials(folder: Path, numbers: Sequence[int], faults: Sequence[str]) -> Iterator[Trial]:
+def trials(inputs: Path, numbers: Sequence[int], faults: Sequence[str]) -> Iterator[Trial]:
     """Trial n meets call n // len(faults) + 1 with fault n % len(faults)."""
-    prepared = prepared_in(folder)
     for number in numbers:
         nth, which = divmod(number, len(faults))
         with TemporaryDirectory() as place:
             victim = Path(place) / "data"
-            shutil.copytree(prepared, victim)
+            shutil.copytree(inputs / SMALL, victim)
             yield {"number": number, "kind": faults[which], "call": nth + 1} | _tried(victim, faults[which], nth + 1)
 
 
 def _tried(folder: Path, fault: str, nth: int) -> Trial:
     """What came of one run, and what the next one finds."""
     lasting = fault.endswith(_FOREVER)
-    ran, came = with_fault(folder, fault.removesuffix(_FOREVER), f"{nth}+" if lasting else f"{nth}")
-    lines = [line.split() for line in ran.stdout.splitlines()]
+    ran = with_fault(folder, fault.removesuffix(_FOREVER), f"{nth}+" if lasting else f"{nth}")
+    lines = [line.split() for line in ran.said.splitlines()]
     acknowledged = max((int(number) for word, number in lines if word == "entry"), default=0)
     entries, corrupt = look(folder)
-    told = _told(fault, [word for word, _ in lines], ran.returncode, ran.stderr)
+    told = _told(fault, [word for word, _ in lines], ran.status, ran.errors)
     goes_on = "" if corrupt else _goes_on(folder)
-    missed = "" if came else "the fault did not come: nothing was tried"
+    missed = "" if ran.met else "the fault did not come: nothing was tried"
     said = "; ".join(text for text in (missed, corrupt, told, goes_on) if text)
     return {"bad": bool(said) or entries < acknowledged, "acknowledged": acknowledged, "entries": entries, "said": said}
 

@@ -1,116 +1,106 @@
 """What the evidence consists of."""
 
-import shutil
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
-from benchmarks.evidence import failing_calls, tampering
-from benchmarks.evidence.failing_calls import FAILING, KILLED, prepared_in
-from benchmarks.evidence.item import Item, Trial, Trials
-from benchmarks.evidence.power_loss import cuts
-from benchmarks.evidence.system_calls import recorded
-from benchmarks.fuzz import http_requests
+from benchmarks.evidence import failing_calls, power_loss, tampering
+from benchmarks.evidence.failing_calls import CALLS, FAILING, KILLED
+from benchmarks.evidence.inputs import prepare_all
+from benchmarks.evidence.item import Item, Trials
+from benchmarks.fuzz import child, http_requests
 from benchmarks.fuzz import trials as fuzzing
+from benchmarks.fuzz.targets import TARGETS, Target
 from benchmarks.states import kills, races, sequences
 
-# Modes that SQLite documents as losing commits, or all of the database, to a power cut; the product asserts WAL and
-# FULL. A rollback journal is known to lose the last commit at FULL, for its removal is not synced (EXTRA is for that).
-_LOSING = (
-    ("synchronous=NORMAL",),
-    ("synchronous=OFF",),
-    ("journal_mode=DELETE", "synchronous=OFF"),
-    ("journal_mode=DELETE", "synchronous=FULL"),
-    ("journal_mode=MEMORY",),
-    ("journal_mode=OFF",),
-)
-_CUTS_OF_A_MODE = 300
+_SCHEMA = "migrations/versions/*.py"
+_DEVICES = tuple(f"tests/devices/{name}.toml" for name in ("guide", "flat-panel", "tcp", "room"))
+# What `coaxial serve`, its guard and its image worker are started with; nobody imports them.
+_SERVICE = ("service.cli.main", "service.cli.serve", "robot.guard.__main__", "service.vision_jobs")
 
 
 def _always(count: int) -> Callable[[Path], int]:
-    return lambda _folder: count
+    return lambda _inputs: count
 
 
-def _power_cuts(folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
-    """Every other number is a case with whole images, whose journal is written into the database on its way."""
-    for small in (True, False):
-        chosen = [number for number in numbers if (number % 2 == 0) is small]
-        for found in _cuts(prepared_in(folder, small=small), chosen, ()):
-            yield {
-                "number": found["seed"],
-                "kind": found["loss"],
-                "bad": bool(found["lost"] or found["corrupt"]),
-            } | found
+# An item whose trials are about one whole case and its record.
+_of_a_whole_case = partial(
+    Item,
+    modules=(failing_calls.__name__, power_loss.__name__, tampering.__name__),
+    files=(_SCHEMA, *_DEVICES),
+    prepare=prepare_all,
+)
 
 
-def _losing_modes(folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
-    """Whether the replay tells that a mode loses what it acknowledges."""
-    for number in numbers:
-        found = list(_cuts(prepared_in(folder), range(_CUTS_OF_A_MODE), _LOSING[number]))
-        lost, corrupt = (sum(bool(one[name]) for one in found) for name in ("lost", "corrupt"))
-        of = {"cuts": len(found), "lost": lost, "corrupt": corrupt}
-        yield {"number": number, "kind": ", ".join(_LOSING[number]), "bad": lost + corrupt == 0} | of
-
-
-def _cuts(prepared: Path, seeds: Sequence[int], pragmas: Sequence[str]) -> Iterator[Trial]:
-    if not seeds:
-        return
-    with TemporaryDirectory() as place:
-        victim = Path(place) / "data"
-        shutil.copytree(prepared, victim)
-        calls = recorded(victim, pragmas)
-        for found in cuts(prepared, calls, seeds, Path(place) / "cut"):
-            yield asdict(found) | {"lost": found.lost}
-
-
-def _of_a_whole_case(name: str, what: str, asked: str, faults: Sequence[str]) -> Item:
+def _of_every_call(name: str, what: str, asked: str, faults: Sequence[str]) -> Item:
     """Every call in turn with every fault."""
 
-    def count(folder: Path) -> int:
-        return failing_calls.writing_calls(folder) * len(faults)
+    def count(inputs: Path) -> int:
+        return int((inputs / CALLS).read_text()) * len(faults)
 
-    return Item(name, what, asked, count, partial(failing_calls.trials, faults=faults), at_once=20)
+    trials = partial(failing_calls.trials, faults=faults)
+    return _of_a_whole_case(name, what, asked, count, trials, at_once=20, waits=True)
 
 
 def _contested(database: str, trials: Trials) -> Item:
-    what = f"one permit held by {races.FEWEST} to {races.MOST} clients at once, {database}"
     return Item(
-        f"contested_permits_{database.lower()}", what, "exactly one motion", _always(10_000), trials, at_once=200
+        f"contested_permits_{database.lower()}",
+        f"one permit held by {races.FEWEST} to {races.MOST} clients at once, {database}",
+        "exactly one motion",
+        _always(10_000),
+        trials,
+        at_once=200,
+        modules=(races.__name__,),
+        files=(_SCHEMA, *_DEVICES),
+        waits=True,
+    )
+
+
+def _fuzzed(name: str, target: Target) -> Item:
+    """Some thousand executions a trial."""
+    return Item(
+        f"fuzz_{name}",
+        f"fuzzing: {target.what}",
+        "taken or refused with a type; 0 crashes, 0 beyond 1 s",
+        _always(target.planned // target.of_a_trial),
+        partial(fuzzing.trials, name),
+        at_once=1,
+        modules=(fuzzing.__name__, child.__name__, target.module),
+        files=_DEVICES,
+        executions=target.of_a_trial,
     )
 
 
 ITEMS = (
-    _of_a_whole_case(
+    _of_every_call(
         "kill_at_every_write",
         "SIGKILL at every write or sync of one whole case",
         "0 acknowledged lost, 0 corrupt",
         KILLED,
     ),
-    _of_a_whole_case(
+    _of_every_call(
         "failing_writes",
         "every write or sync of one whole case fails once, and from then on: disk full, I/O error",
         "typed refusal, reads served, 0 acknowledged lost, goes on when space returns",
         FAILING,
     ),
-    Item(
+    _of_a_whole_case(
         "power_loss",
         "power cut: unsynced writes dropped, kept, cut, reordered or torn",
         "0 acknowledged lost, 0 corrupt",
         _always(200_000),
-        _power_cuts,
+        power_loss.power_cuts,
         at_once=2000,
     ),
-    Item(
+    _of_a_whole_case(
         "losing_modes",
         "the same with modes of SQLite that are known to lose",
         "each is flagged",
-        _always(len(_LOSING)),
-        _losing_modes,
+        _always(len(power_loss.LOSING)),
+        power_loss.losing_modes,
         at_once=1,
     ),
-    Item(
+    _of_a_whole_case(
         "tampering",
         "one bit of the database's file flipped",
         "found, or no record changed",
@@ -125,6 +115,8 @@ ITEMS = (
         _always(20_000),
         sequences.sequences,
         at_once=100,
+        modules=(sequences.__name__,),
+        files=(_SCHEMA, *_DEVICES),
     ),
     Item(
         "kill_at_any_moment",
@@ -133,9 +125,22 @@ ITEMS = (
         _always(2_000),
         kills.kills,
         at_once=50,
+        modules=(kills.__name__, *_SERVICE, "simulator.controller.__main__"),
+        files=(_SCHEMA, *_DEVICES),
+        waits=True,
     ),
     _contested("SQLite", races.on_sqlite),
     _contested("PostgreSQL", races.on_postgresql),
-    *fuzzing.items(),
-    http_requests.item(),
+    *(_fuzzed(name, target) for name, target in TARGETS.items()),
+    Item(
+        "requests",
+        "requests made from the interface description (schemathesis), as each role and as nobody",
+        "0 of 5xx",
+        _always(100_000 // http_requests.OF_A_TRIAL),
+        http_requests.trials,
+        at_once=100,
+        modules=(http_requests.__name__, "service.vision_jobs"),
+        files=(_SCHEMA, *_DEVICES),
+        executions=http_requests.OF_A_TRIAL,
+    ),
 )

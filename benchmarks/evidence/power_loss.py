@@ -8,19 +8,32 @@ the replay would tell.
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from random import Random
+from tempfile import TemporaryDirectory
 
 from benchmarks.evidence.disk import Disk, Loss
-from benchmarks.evidence.system_calls import Call
-from benchmarks.evidence.whole_case import newest, settings_of
+from benchmarks.evidence.item import Trial
+from benchmarks.evidence.system_calls import Call, recorded
+from benchmarks.evidence.whole_case import SMALL, WHOLE, newest, settings_of
 from service.database.engines import open_database
 from service.errors import ServiceError
 from service.ledger.keys import signing_key
 from service.ledger.verifying import verify
 
 _LOSSES = tuple(Loss)
+# Modes that SQLite documents as losing commits, or all of the database, to a power cut; the product asserts WAL and
+# FULL. A rollback journal is known to lose the last commit at FULL, for its removal is not synced (EXTRA is for that).
+LOSING = (
+    ("synchronous=NORMAL",),
+    ("synchronous=OFF",),
+    ("journal_mode=DELETE", "synchronous=OFF"),
+    ("journal_mode=DELETE", "synchronous=FULL"),
+    ("journal_mode=MEMORY",),
+    ("journal_mode=OFF",),
+)
+_CUTS_OF_A_MODE = 300
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +51,34 @@ class Found:
     def lost(self) -> int:
         """Acknowledged entries that are gone."""
         return max(0, self.acknowledged - self.entries)
+
+
+def power_cuts(inputs: Path, numbers: Sequence[int]) -> Iterator[Trial]:
+    """Every other number is a case with whole images, whose journal is written into the database on its way."""
+    for remainder, images in enumerate((SMALL, WHOLE)):
+        for found in _cut(inputs / images, [number for number in numbers if number % 2 == remainder], ()):
+            bad = bool(found.lost or found.corrupt)
+            yield {"number": found.seed, "kind": found.loss, "bad": bad} | asdict(found) | {"lost": found.lost}
+
+
+def losing_modes(inputs: Path, numbers: Sequence[int]) -> Iterator[Trial]:
+    """Whether the replay tells that a mode loses what it acknowledges."""
+    for number in numbers:
+        found = list(_cut(inputs / SMALL, range(_CUTS_OF_A_MODE), LOSING[number]))
+        lost, corrupt = sum(one.lost > 0 for one in found), sum(bool(one.corrupt) for one in found)
+        of = {"cuts": len(found), "lost": lost, "corrupt": corrupt}
+        yield {"number": number, "kind": ", ".join(LOSING[number]), "bad": lost + corrupt == 0} | of
+
+
+def _cut(prepared: Path, seeds: Sequence[int], pragmas: Sequence[str]) -> Iterator[Found]:
+    """Power cuts of one whole case, recorded for them."""
+    if not seeds:
+        return
+    with TemporaryDirectory() as place:
+        victim = Path(place) / "data"
+        shutil.copytree(prepared, victim)
+        calls = recorded(victim, pragmas)
+        yield from cuts(prepared, calls, seeds, Path(place) / "cut")
 
 
 def cuts(prepared: Path, calls: Sequence[Call], seeds: Sequence[int], place: Path) -> Iterator[Found]:

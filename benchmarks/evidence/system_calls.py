@@ -1,5 +1,6 @@
 """The system calls by which a process changes a folder: recorded, made to fail, or the last thing it does (strace)."""
 
+import multiprocessing
 import os
 import re
 import shutil
@@ -9,9 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from benchmarks.evidence import whole_case
+
 # Whatever changes a file or makes a change durable.
 WRITING = ("pwrite64", "write", "ftruncate", "fdatasync", "fsync", "rename", "unlink")
-_VICTIM = [sys.executable, "-m", "benchmarks.evidence.whole_case"]
+_VICTIM = [sys.executable, "-m", whole_case.__name__]
+_VICTIMS = multiprocessing.get_context("forkserver")
+_VICTIMS.set_forkserver_preload([whole_case.__name__])
 _CALL = re.compile(r"\d+ +(\w+)\((.*)\) += (-?\d+)", re.DOTALL)
 _DESCRIPTOR = re.compile(r"(\w+)<([^>]*)>")
 _TIMEOUT_S = 300.0
@@ -62,18 +67,33 @@ def untroubled(folder: Path) -> None:
     _run([*_VICTIM, str(folder)], check=True)
 
 
-def with_fault(folder: Path, fault: str, nth: str) -> "tuple[subprocess.CompletedProcess[str], bool]":
+@dataclass(frozen=True, slots=True)
+class Ran:
+    """What came of a process: its exit status, negative for a signal, and what it wrote."""
+
+    status: int
+    said: str
+    errors: str
+    met: bool  # by the fault: a call that is never made proves nothing
+
+
+def with_fault(folder: Path, fault: str, nth: str) -> Ran:
     """The whole case, its nth writing call on the database's files being met by a fault (`error=EIO`...).
 
-    Also whether the fault came: a call that is never made proves nothing.
+    The process is a copy of one that has loaded everything, and begins once it is traced.
     """
     files = [str(folder / f"coaxial.sqlite{end}") for end in ("", "-wal", "-shm")]
     of_them = [part for file in files for part in ("-P", file)]
     names = ",".join(name for name in WRITING if name != "write")
     inject = ["-e", f"trace={names}", "-e", f"inject={names}:{fault}:when={nth}"]
-    trace = folder.parent / f"{folder.name}.faults"
-    ran = _run([strace(), "-f", *of_them, *inject, "-o", str(trace), *_VICTIM, str(folder)], check=False)
-    return ran, any(mark in trace.read_text() for mark in ("(INJECTED)", "killed by SIGKILL"))
+    trace, said, errors = (folder.parent / f"{folder.name}.{end}" for end in ("faults", "said", "errors"))
+    victim = _VICTIMS.Process(target=whole_case.record_once_traced, args=(folder, said, errors))
+    victim.start()
+    _run([strace(), "-f", *of_them, *inject, "-o", str(trace), "-p", str(victim.pid)], check=False)
+    victim.join(_TIMEOUT_S)
+    assert victim.exitcode is not None, f"still recording after {_TIMEOUT_S} s"
+    met = any(mark in trace.read_text() for mark in ("(INJECTED)", "killed by SIGKILL"))
+    return Ran(victim.exitcode, said.read_text(), errors.read_text(), met)
 
 
 def _run(command: Sequence[str], *, check: bool) -> "subprocess.CompletedProcess[str]":

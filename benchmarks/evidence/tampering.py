@@ -8,19 +8,17 @@ from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
 
-from benchmarks.evidence.failing_calls import prepared_in
 from benchmarks.evidence.item import Trial
 from benchmarks.evidence.power_loss import look
-from benchmarks.evidence.system_calls import untroubled
-from benchmarks.evidence.whole_case import settings_of
+from benchmarks.evidence.whole_case import RECORDED, settings_of
 from service.database import tables
 
 _TABLES = sorted(table.name for table in (*tables.RECORDS, *tables.LEDGER))
 
 
-def flips(folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
+def flips(inputs: Path, numbers: Sequence[int]) -> Iterator[Trial]:
     """One bit of the database's file for each number."""
-    recorded = _recorded_in(folder)
+    recorded = inputs / RECORDED
     with TemporaryDirectory() as place:
         victim = Path(place) / "data"
         shutil.copytree(recorded, victim)
@@ -32,16 +30,6 @@ def flips(folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
             found = look(victim)[1]
             unseen = not found and _rows(_file(victim)) != rows
             yield {"number": number, "kind": "found" if found else "no record changed", "bad": unseen, "bit": bit}
-
-
-def _recorded_in(folder: Path) -> Path:
-    recorded = folder / "recorded"
-    if not recorded.exists():
-        with TemporaryDirectory(dir=folder) as place:
-            shutil.copytree(prepared_in(folder), Path(place) / "data")
-            untroubled(Path(place) / "data")
-            (Path(place) / "data").rename(recorded)
-    return recorded
 
 
 def _file(folder: Path) -> Path:

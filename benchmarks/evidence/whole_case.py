@@ -2,27 +2,23 @@
 
     python -m benchmarks.evidence.whole_case FOLDER [NAME=VALUE ...]
 
-FOLDER is a prepared one (`prepare`). Every line on standard output is an acknowledgement (`entry N`), a refusal of the
+FOLDER is one that `inputs` prepares. Every line on standard output is an acknowledgement (`entry N`), a refusal of the
 database (`refused CODE`), or, behind a refusal, what could be read nevertheless (`read N`). A step that is refused is
 tried again a few times, as its sender would. NAME=VALUE replaces a PRAGMA of the product's: for the modes that are
 known to lose what they acknowledge.
 """
 
+import ctypes
 import os
 import pickle
 import sys
+import time
+from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
-from io import BytesIO
 from pathlib import Path
 from unittest.mock import patch
 
-import numpy as np
-from argon2 import PasswordHasher
-from pydicom import dcmread
-
 from benchmarks import recorded_cases
-from service.auth.permissions import Role
 from service.auth.users import UserStore
 from service.database import engines
 from service.database.current import current_database
@@ -33,37 +29,16 @@ from service.settings import Settings
 from workflow.states import State
 
 RESULTS = "results.pickle"
+# What trials begin with, by name in the folder of their inputs: folders that are prepared, and one that is recorded.
+SMALL, WHOLE, RECORDED = "small-images", "whole-images", "recorded"
 _TRIES = 4
-_SMALL_PX = 96  # sides of a small image
+_PR_SET_PTRACER, _ANYBODY = 0x59616D61, -1  # of prctl(2)
+_LOOK_S = 0.001
 
 
 def settings_of(folder: Path) -> Settings:
     """A data folder's; free space is what the tests take away by other means."""
     return Settings(data_folder=folder, min_free_bytes=0)
-
-
-def prepare(folder: Path, *, small: bool = False) -> None:
-    """A data folder with schema, key and surgeon, and the results of a case yet to be recorded.
-
-    With small images each system call of the case can be made to fail in turn; whole ones fill the journal, so that it
-    is written into the database amid the case.
-    """
-    settings = settings_of(folder)
-    with current_database(settings) as database:
-        UserStore(database, PasswordHasher(1, 8, 1)).add("anna", Role.SURGEON, "correct horse", "2468")
-    results = recorded_cases.compute(settings)
-    if small:
-        results = replace(results, images=tuple(_cropped(image) for image in results.images))
-    (folder / RESULTS).write_bytes(pickle.dumps(results))
-
-
-def _cropped(image: bytes) -> bytes:
-    dataset = dcmread(BytesIO(image))
-    dataset.PixelData = np.ascontiguousarray(dataset.pixel_array[:_SMALL_PX, :_SMALL_PX]).tobytes()
-    dataset.Rows = dataset.Columns = _SMALL_PX
-    file = BytesIO()
-    dataset.save_as(file)
-    return file.getvalue()
 
 
 def record_whole_case(folder: Path) -> None:
@@ -109,11 +84,26 @@ def _pragmas(replaced: dict[str, str]) -> "AbstractContextManager[object]":
     return patch.object(engines, "_assert_pragma", assert_pragma)
 
 
-if __name__ == "__main__":
-    others = dict(argument.split("=") for argument in sys.argv[2:])
+def main(folder: Path, others: Sequence[str] = ()) -> None:
+    """Record, with other PRAGMAs where some are named; exit status 1 where the database refused for good."""
+    replaced = dict(other.split("=") for other in others)
     try:
-        with _pragmas(others) if others else nullcontext():
-            record_whole_case(Path(sys.argv[1]))
+        with _pragmas(replaced) if replaced else nullcontext():
+            record_whole_case(folder)
     except ServiceError as error:
         _say("refused", error.code)
         sys.exit(1)
+
+
+def record_once_traced(folder: Path, said: Path, errors: Path) -> None:
+    """The same in a process that another one traces, standard output and errors into files."""
+    ctypes.CDLL(None).prctl(_PR_SET_PTRACER, ctypes.c_ulong(_ANYBODY))  # else Yama allows a parent alone to trace
+    for file, descriptor in ((said, 1), (errors, 2)):
+        os.dup2(os.open(file, os.O_WRONLY | os.O_CREAT), descriptor)
+    while "TracerPid:\t0" in Path("/proc/self/status").read_text():
+        time.sleep(_LOOK_S)
+    main(folder)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), sys.argv[2:])

@@ -23,7 +23,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis.errors import Unsatisfiable
 from schemathesis import GenerationMode
 
-from benchmarks.evidence.item import Item, Trial
+from benchmarks.evidence.item import Trial
 from service.app import create_app
 from service.auth.permissions import Role
 from service.auth.users import UserStore
@@ -32,7 +32,7 @@ from service.cases.preconditions import etag
 from service.settings import DicomSettings, HttpSettings, Settings
 from tests.service.conftest import PIN, RunningService, serve_in_thread
 
-_REQUESTS, _OF_A_TRIAL = 100_000, 50
+OF_A_TRIAL = 50  # requests
 _CALLERS = (*Role, None)
 _MODES = (GenerationMode.POSITIVE, GenerationMode.NEGATIVE)
 _REAL = 0.8  # share of the requests that ask for what is there
@@ -52,13 +52,6 @@ _CASE = {
 def _as_bytes(_context: Any, value: Any) -> bytes:
     """What is no JSON, as it was made up."""
     return value if isinstance(value, bytes) else str(value).encode(errors="replace")
-
-
-def item() -> Item:
-    """The whole interface, in turn."""
-    count = _REQUESTS // _OF_A_TRIAL
-    what = "requests made from the interface description (schemathesis), as each role and as nobody"
-    return Item("requests", what, "0 of 5xx", lambda _folder: count, trials, 100, _OF_A_TRIAL)
 
 
 def trials(_folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
@@ -139,10 +132,10 @@ def _trial(room: _Room, operation: Any, caller: Role | None, mode: GenerationMod
         if answer.status_code >= 500:
             found.append([operation.label, answer.status_code, case.as_curl_command()])
 
-    while (left := _OF_A_TRIAL - kinds.total()) > 0:
+    while (left := OF_A_TRIAL - kinds.total()) > 0:
         drawn = settings(_DRAWN, max_examples=left)
         try:
-            seed(number * _OF_A_TRIAL + left)(drawn(given(case=operation.as_strategy(mode))(send)))()
+            seed(number * OF_A_TRIAL + left)(drawn(given(case=operation.as_strategy(mode))(send)))()
         except Unsatisfiable:  # whatever is sent fits the description
             mode = GenerationMode.POSITIVE
     return {"kinds": dict(kinds), "bad": len(found), "found": found}

@@ -10,9 +10,10 @@ import pytest
 
 from benchmarks.evidence import failing_calls
 from benchmarks.evidence.disk import SECTOR, Disk, Loss
+from benchmarks.evidence.inputs import prepare
 from benchmarks.evidence.power_loss import cuts
 from benchmarks.evidence.system_calls import Call, recorded
-from benchmarks.evidence.whole_case import prepare
+from benchmarks.evidence.whole_case import SMALL
 
 _CUTS = 60
 
@@ -20,15 +21,15 @@ _CUTS = 60
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("evidence")
-    (folder / "prepared").mkdir()
-    prepare(folder / "prepared", small=True)
+    (folder / SMALL).mkdir()
+    prepare(folder / SMALL, small=True)
     return folder
 
 
 def _cut(folder, tmp_path, *pragmas):
-    shutil.copytree(folder / "prepared", tmp_path / "data")
+    shutil.copytree(folder / SMALL, tmp_path / "data")
     calls = recorded(tmp_path / "data", pragmas)
-    return list(cuts(folder / "prepared", calls, range(_CUTS), tmp_path / "cut"))
+    return list(cuts(folder / SMALL, calls, range(_CUTS), tmp_path / "cut"))
 
 
 def test_no_power_cut_loses_what_was_acknowledged_or_leaves_half_of_anything(folder, tmp_path):

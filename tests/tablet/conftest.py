@@ -10,7 +10,8 @@ import pytest
 from playwright.sync_api import Browser, ConsoleMessage, Request, sync_playwright
 from rich.console import Console
 
-from benchmarks.recorded_cases import Results, compute
+from benchmarks.computed_results import compute
+from benchmarks.recorded_cases import Results
 from coaxial_client import Case
 from service.auth.permissions import Role
 from service.settings import Settings

@@ -16,6 +16,7 @@ import pytest
 from argon2 import PasswordHasher
 
 from benchmarks import recorded_cases
+from benchmarks.computed_results import compute
 from service import vision_jobs
 from service.auth.permissions import Role
 from service.auth.users import UserStore
@@ -62,7 +63,7 @@ class Site:
 
 @pytest.fixture(scope="session")
 def results() -> recorded_cases.Results:
-    return recorded_cases.compute(Settings())
+    return compute(Settings())
 
 
 @pytest.fixture(scope="session")

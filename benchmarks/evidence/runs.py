@@ -1,0 +1,123 @@
+"""Runs what is missing of the trials, in some processes at a time, and reads what was kept of all runs.
+
+Every trial is a line of FOLDER/NAME.jsonl, with the fingerprint of its code: another state's counts as not done.
+"""
+
+import json
+import logging
+import math
+import multiprocessing
+import os
+import signal
+import sys
+import time
+import traceback
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import structlog
+
+from benchmarks.evidence.code import commit
+from benchmarks.evidence.item import Item, Summary, Trial, summary
+from benchmarks.evidence.items import ITEMS
+from benchmarks.kept import keep_line, kept_lines
+
+_RAM_DISK = Path("/dev/shm")  # survives a killed process as a disk does, and power cuts are replayed
+
+
+def summaries(item: Item, folder: Path) -> list[Summary]:
+    """What the kept results amount to: of today's code, and of each earlier state that has any."""
+    by_code: defaultdict[str, dict[int, Trial]] = defaultdict(dict)
+    by_code[item.code] = {}
+    for trial in kept_lines(_file(item, folder)):
+        by_code[trial["code"]].setdefault(trial["number"], trial)
+    planned = item.count(prepared(item, folder)) * item.executions
+    return [summary(code, list(trials.values()), planned) for code, trials in by_code.items()]
+
+
+def prepared(item: Item, folder: Path) -> Path:
+    """What the item's trials begin with, made where it is missing."""
+    inputs = folder / "inputs" / item.code
+    inputs.mkdir(parents=True, exist_ok=True)
+    item.prepare(inputs)
+    return inputs
+
+
+@contextmanager
+def workers(processes: int) -> Iterator[ProcessPoolExecutor]:
+    """Processes for trials; they end with this one, also where it is asked to end."""
+    signal.signal(signal.SIGTERM, _end)
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(processes, context, _begin)
+    try:
+        yield pool
+    except BaseException:
+        for process in multiprocessing.active_children():
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def run(item: Item, folder: Path, share: float, pool: ProcessPoolExecutor) -> bool:
+    """What is missing of an item's trials; False where it could not all be run."""
+    inputs = prepared(item, folder)
+    known = {trial["number"] for trial in kept_lines(_file(item, folder)) if trial["code"] == item.code}
+    todo = [number for number in range(math.ceil(item.count(inputs) * share)) if number not in known]
+    parts = [todo[first : first + item.at_once] for first in range(0, len(todo), item.at_once)]
+    futures = [pool.submit(_run_part, item.name, folder, inputs, part) for part in parts]
+    started_s, whole = time.monotonic(), True
+    for done, future in enumerate(as_completed(futures), 1):
+        whole &= _told(future)
+        left_min = (time.monotonic() - started_s) / done * (len(parts) - done) / 60.0
+        print(f"\r{item.name}: {done} of {len(parts)} parts, {left_min:.0f} min left ", end="", file=sys.stderr)
+    return whole
+
+
+def _told(future: "Future[None]") -> bool:
+    """Whether a part ran to its end; a harness that failed is no result, and the other parts go on."""
+    error = future.exception()
+    if error is not None:
+        print("", *traceback.format_exception(error), sep="\n", file=sys.stderr)
+    return error is None
+
+
+def _begin() -> None:
+    """A process for trials: quiet, its files in memory, ended with its parent."""
+    signal.signal(signal.SIGTERM, _end)
+    structlog.configure(wrapper_class=structlog.make_filtering_bound_logger(logging.CRITICAL))
+    logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)  # a refused hold is one to it
+    if _RAM_DISK.is_dir():
+        os.environ["TMPDIR"] = str(_RAM_DISK)
+
+
+def _end(*_: Any) -> None:
+    """Out of everything, so that nothing is left running or lying about."""
+    sys.exit(f"ended by {signal.SIGTERM.name}")
+
+
+def _run_part(name: str, folder: Path, inputs: Path, numbers: Sequence[int]) -> None:
+    """Some trials, each kept as soon as it is done."""
+    item = next(item for item in ITEMS if item.name == name)
+    at, before_s = commit(), _spent_s(item)
+    for trial in item.trials(inputs, numbers):
+        now_s = _spent_s(item)
+        state = {"seconds": round(now_s - before_s, 5), "code": item.code, "commit": at}
+        before_s = now_s
+        keep_line(_file(item, folder), trial | state)
+        if trial["bad"]:
+            print(f"\nbad: {name}: {json.dumps(trial)}", file=sys.stderr)
+
+
+def _spent_s(item: Item) -> float:
+    """Of the processor by this process and those that it waited for; of the clock where trials wait."""
+    spent = os.times()
+    return time.monotonic() if item.waits else sum(spent[:4])
+
+
+def _file(item: Item, folder: Path) -> Path:
+    return folder / f"{item.name}.jsonl"
