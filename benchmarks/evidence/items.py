@@ -90,7 +90,7 @@ ITEMS = (
         "0 acknowledged lost, 0 corrupt",
         _always(200_000),
         power_loss.power_cuts,
-        at_once=2000,
+        at_once=10_000,  # the more, the more of them leave the same
     ),
     _of_a_whole_case(
         "losing_modes",
