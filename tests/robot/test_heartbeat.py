@@ -15,8 +15,36 @@ def beat(number: int, challenge: str, held: bool = True, permit: str = "p") -> H
 def test_nobody_holds_before_the_first_heartbeat() -> None:
     monitor = HeartbeatMonitor()
     monitor.issue(0.0)
+    assert not monitor.held
     assert not monitor.is_live("p", 0.0)
     assert monitor.age_s(0.0) is None
+
+
+def test_each_permit_counts_and_holds_for_itself() -> None:
+    monitor = HeartbeatMonitor()
+    monitor.receive(beat(50, monitor.issue(0.0), permit="old"))
+    monitor.receive(beat(51, monitor.issue(0.1), held=False, permit="old"))
+    assert not monitor.receive(beat(0, "unknown", permit="new"))
+    assert (monitor.permit_id, monitor.held, monitor.age_s(0.2)) == ("new", False, None)
+    assert monitor.receive(beat(0, monitor.issue(0.2), permit="new"))  # lower than the old one's, and not let go of
+    assert monitor.is_live("new", 0.2)
+    assert monitor.receive(beat(9, monitor.issue(0.3), permit="old")) is False
+
+
+def test_a_hold_does_not_carry_over_to_the_next_permit() -> None:
+    monitor = HeartbeatMonitor()
+    monitor.receive(beat(1, monitor.issue(0.0), permit="old"))
+    assert monitor.held
+    monitor.receive(beat(1, "unknown", permit="new"))
+    assert not monitor.held
+
+
+def test_a_challenge_that_was_overtaken_makes_no_hold_older() -> None:
+    monitor = HeartbeatMonitor()
+    early, late = monitor.issue(1.0), monitor.issue(2.0)
+    monitor.receive(beat(1, late))
+    monitor.receive(beat(2, early))
+    assert monitor.age_s(2.5) == 0.5
 
 
 def test_hold_is_live_up_to_the_limit_and_silent_beyond_it() -> None:
@@ -24,6 +52,12 @@ def test_hold_is_live_up_to_the_limit_and_silent_beyond_it() -> None:
     assert monitor.receive(beat(1, monitor.issue(10.0)))
     assert monitor.is_live("p", 10.0 + SILENCE_S)
     assert not monitor.is_live("p", 10.0 + SILENCE_S + 1e-6)
+
+
+def test_hold_is_live_at_the_limit_itself() -> None:
+    monitor = HeartbeatMonitor()
+    monitor.receive(beat(1, monitor.issue(0.0)))
+    assert monitor.is_live("p", SILENCE_S)
 
 
 @pytest.mark.hazard("H36")
@@ -88,9 +122,10 @@ def test_challenges_are_all_different() -> None:
     assert len({monitor.issue(0.0) for _ in range(1000)}) == 1000
 
 
-def test_forgotten_challenge_is_no_sign_of_life() -> None:
+@pytest.mark.parametrize(("since", "remembered"), [(511, True), (512, False)])
+def test_a_challenge_is_remembered_for_as_long_as_it_may_count_and_then_forgotten(since: int, remembered: bool) -> None:
     monitor = HeartbeatMonitor()
     old = monitor.issue(0.0)
-    for _ in range(600):
+    for _ in range(since):
         monitor.issue(1.0)
-    assert not monitor.receive(beat(1, old))
+    assert monitor.receive(beat(1, old)) is remembered

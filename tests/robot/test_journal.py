@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from threading import Event
 
 import pytest
 
@@ -61,3 +62,50 @@ def test_nothing_written_yet_reads_as_nothing(tmp_path: Path) -> None:
 def test_rubbish_in_the_journal_is_left_out(tmp_path: Path, rubbish: bytes) -> None:
     (tmp_path / EVENTS_FILE).write_bytes(rubbish + json.dumps({"type": "fault"}).encode() + b"\n")
     assert read_lines(tmp_path / EVENTS_FILE) == [{"type": "fault"}]
+
+
+def test_a_line_of_the_journal_is_added_to_those_of_an_earlier_guard(tmp_path: Path) -> None:
+    for _ in range(2):
+        journal = Journal(tmp_path)
+        journal.record(FAULT)
+        journal.close()
+    content = (tmp_path / EVENTS_FILE).read_bytes()
+    assert content.count(b"\n") == 2  # and no empty one between them
+    assert [line["type"] for line in read_lines(tmp_path / EVENTS_FILE)] == ["fault", "fault"]
+
+
+def test_a_journal_makes_the_folders_that_it_needs(tmp_path: Path) -> None:
+    journal = Journal(tmp_path / "of" / "the" / "room")
+    journal.record(FAULT)
+    assert journal.flush(5.0)
+    journal.close()
+
+
+@pytest.mark.hazard("H24")
+def test_events_are_forced_to_the_disk_at_once_and_readings_by_a_flush(
+    tmp_path: Path, reading: ArmState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    forced: list[str] = []
+
+    def fsync(descriptor: int) -> None:
+        forced.append(Path(f"/proc/self/fd/{descriptor}").readlink().name)
+
+    monkeypatch.setattr("robot.guard.journal.os.fsync", fsync)
+    journal = Journal(tmp_path)
+    journal.sample("p", reading)
+    journal.record(FAULT)
+    assert journal.flush(5.0)
+    assert forced[0] == EVENTS_FILE
+    assert sorted(forced[1:]) == sorted([EVENTS_FILE, trajectory_file("p")])
+    journal.close()
+
+
+def test_a_flush_that_takes_too_long_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    released = Event()
+    monkeypatch.setattr("robot.guard.journal.os.fsync", lambda _: released.wait(20.0))
+    journal = Journal(tmp_path)
+    journal.record(FAULT)
+    assert not journal.flush(0.01)
+    released.set()
+    assert journal.flush(20.0)
+    journal.close()

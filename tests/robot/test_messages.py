@@ -125,10 +125,68 @@ def _with_nan(values: list) -> list:
     return broken.tolist()
 
 
-@pytest.mark.parametrize("value", [np.nan, -1.0, 0.0])
-def test_motion_without_a_speed_is_the_callers_mistake(move: BeginMove, value: float) -> None:
+@pytest.mark.parametrize("field", ["speed_mm_s", "acceleration_mm_s2"])
+@pytest.mark.parametrize("value", [np.nan, -1.0, 0.0, np.inf])
+def test_motion_without_a_speed_is_the_callers_mistake(move: BeginMove, field: str, value: float) -> None:
+    with pytest.raises(ValueError, match="speed"):
+        dataclasses.replace(move, **{field: value})
+
+
+NOT_NEGATIVE = (
+    *("duration_s", "payload_kg", "tcp_tolerance_mm", "tcp_tolerance_rad"),
+    *("payload_tolerance_kg", "payload_tolerance_mm"),
+)
+
+
+@pytest.mark.parametrize("field", NOT_NEGATIVE)
+def test_motion_with_less_than_nothing_is_the_callers_mistake(move: BeginMove, field: str) -> None:
+    for value in (-1e-9, np.inf, np.nan):
+        with pytest.raises(ValueError, match="not negative"):
+            dataclasses.replace(move, **{field: value})
+    assert getattr(dataclasses.replace(move, **{field: 0.0}), field) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("permit_id", "../permit"),
+        ("permit_id", "p" * 65),
+        ("flange_from_guide", 2.0 * np.eye(4)),
+        ("start_joints_rad", np.zeros(5)),
+        ("start_joints_rad", np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.inf])),
+        ("payload_centre_mm", np.zeros(4)),
+        ("payload_centre_mm", np.array([0.0, np.nan, 0.0])),
+    ],
+)
+def test_motion_of_another_shape_is_the_callers_mistake(move: BeginMove, field: str, value: object) -> None:
     with pytest.raises(ValueError):
-        dataclasses.replace(move, speed_mm_s=value)
+        dataclasses.replace(move, **{field: value})
+
+
+def test_a_slow_motion_of_a_light_guide_is_one(move: BeginMove) -> None:
+    slow = dataclasses.replace(move, speed_mm_s=0.5, acceleration_mm_s2=0.5)
+    assert plain(decode_command(encode(slow))) == plain(slow)
+
+
+def test_a_number_that_is_none_is_not_written() -> None:
+    with pytest.raises(ValueError):
+        encode(Disturbed(1.0, np.nan, 0.0))
+
+
+def test_a_whole_number_is_a_number(move: BeginMove) -> None:
+    """Some writers of JSON leave a decimal point out."""
+    speed_mm_s = decode_command(json.dumps(json.loads(encode(move)) | {"speed_mm_s": 7}).encode()).speed_mm_s
+    assert (speed_mm_s, type(speed_mm_s)) == (7.0, float)
+    for other in ("7", True, None):
+        with pytest.raises(MessageError):
+            decode_command(json.dumps(json.loads(encode(move)) | {"speed_mm_s": other}).encode())
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity"])
+def test_what_is_no_number_of_json_is_refused_even_where_none_is_expected(number: str) -> None:
+    line = f'{{"type":"stop_sent","reason":{number},"at_s":1.0,"written":true}}'
+    with pytest.raises(MessageError, match=f"{number} is not a number"):
+        decode_event(line.encode())
 
 
 def test_motion_in_metres_is_the_callers_mistake_only_if_it_is_no_transform(move: BeginMove) -> None:

@@ -1,0 +1,213 @@
+"""The guard's process, part by part: its pipe, signals, its parent's end, and the process as its parent holds it."""
+
+import io
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from queue import SimpleQueue
+
+import pytest
+
+from robot.guard import process
+from robot.guard.child import GuardChild
+from robot.guard.lines import encode
+from robot.guard.messages import Acknowledge, Heartbeat, Phase, ReleasePendant, Stop, StopSent
+
+PATIENCE_S = 20.0
+BEAT = Heartbeat("permit", 1, "challenge", True)
+
+
+class Guard:
+    """Keeps what it is told; at rest after some turns."""
+
+    def __init__(self, turns: int = 0) -> None:
+        self.turns = turns
+        self.told: list[object] = []
+        self.severed = False
+
+    @property
+    def phase(self) -> Phase:
+        return Phase.MOVING if self.turns > 0 else Phase.HELD
+
+    def stop_now(self, reason: str) -> StopSent:
+        self.told.append(reason)
+        return StopSent(reason, 0.0, True)
+
+    def handle(self, taken: object) -> None:
+        self.told.append(taken)
+
+    def lose_parent(self) -> None:
+        self.told.append("parent lost")
+
+    def tick(self) -> None:
+        self.turns -= 1
+        self.told.append("tick")
+
+
+class Ends:
+    """Outbox and arm in one: neither broken nor stuck unless it is said."""
+
+    broken = False
+    stuck = False
+    pushed = 0
+
+    def push(self) -> None:
+        self.pushed += 1
+
+    def is_stuck(self) -> bool:
+        return self.stuck
+
+
+def drained(inbox: SimpleQueue) -> list[object]:
+    return [inbox.get_nowait() for _ in range(inbox.qsize())]
+
+
+def test_stops_go_out_before_the_loop_knows_and_the_rest_waits_its_turn() -> None:
+    guard, inbox = Guard(), SimpleQueue()
+    commands = (BEAT, Stop("asked"), ReleasePendant("access"), Acknowledge())
+    process._receive(io.BytesIO(b"".join(map(encode, commands))), guard, inbox)
+    assert guard.told == ["asked", "access", "the service is gone"]
+    *taken, gone = drained(inbox)
+    assert taken == [
+        BEAT,
+        StopSent("asked", 0.0, True),
+        StopSent("access", 0.0, True),
+        ReleasePendant("access"),
+        Acknowledge(),
+    ]
+    assert gone is process._Parent.GONE
+
+
+def test_a_line_that_nobody_understands_is_a_stop() -> None:
+    guard, inbox = Guard(), SimpleQueue()
+    process._receive(io.BytesIO(b"{}\n"), guard, inbox)
+    assert guard.told[0].startswith("not a message of the guard")
+    assert [type(taken) for taken in drained(inbox)] == [StopSent, process._Parent]
+
+
+def test_a_turn_takes_all_that_has_arrived_and_says_whether_the_parent_is_gone() -> None:
+    guard, inbox = Guard(), SimpleQueue()
+    assert process._handle(guard, inbox) is False
+    for taken in (BEAT, process._Parent.GONE, Acknowledge()):
+        inbox.put(taken)
+    assert process._handle(guard, inbox) is True
+    assert guard.told == [BEAT, Acknowledge()]
+
+
+def test_a_guard_whose_parent_is_gone_stops_once_and_goes_on_until_the_arm_is_at_rest() -> None:
+    guard, inbox, ends = Guard(turns=3), SimpleQueue(), Ends()
+    inbox.put(process._Parent.GONE)
+    process._turn_until_over(guard, inbox, ends, ends)
+    assert guard.told == ["parent lost", "tick", "tick", "tick"]
+    assert ends.pushed == 3
+
+
+@pytest.mark.parametrize("cause", ["broken", "adopted"])
+def test_a_parent_that_is_gone_shows_by_the_pipe_and_by_whose_child_this_is(
+    monkeypatch: pytest.MonkeyPatch, cause: str
+) -> None:
+    """A forked process may hold the pipe still, and an orphan has another parent."""
+    guard, ends = Guard(turns=2), Ends()
+    ends.broken = cause == "broken"
+    parents = iter([100] + [1 if cause == "adopted" else 100] * 9)
+    monkeypatch.setattr(process.os, "getppid", lambda: next(parents))
+    process._turn_until_over(guard, SimpleQueue(), ends, ends)
+    assert guard.told == ["parent lost", "tick", "tick"]
+
+
+@pytest.mark.parametrize("cause", ["severed", "stuck"])
+def test_a_guard_that_cannot_go_on_ends_once_the_arm_is_at_rest(cause: str) -> None:
+    guard, ends = Guard(turns=2), Ends()
+    guard.severed, ends.stuck = cause == "severed", cause == "stuck"
+    process._turn_until_over(guard, SimpleQueue(), ends, ends)
+    assert guard.told == ["tick", "tick"]
+
+
+@pytest.fixture
+def own_signals() -> Iterator[None]:
+    """This process as it was, whatever a guard's process does to its own."""
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    yield
+    os.close(signal.set_wakeup_fd(-1))
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
+    signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+
+
+@pytest.mark.usefixtures("own_signals")
+def test_a_process_that_is_asked_to_end_stops_the_arm_first() -> None:
+    guard, inbox = Guard(), SimpleQueue()
+    asked = process._heed_signals()
+    assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN  # a terminal's interrupt is the service's affair
+    assert signal.SIGTERM in signal.pthread_sigmask(signal.SIG_BLOCK, ())  # none interrupts the loop
+    thread = threading.Thread(target=process._await_end, args=(asked, guard, inbox), daemon=True)
+    thread.start()
+    assert inbox.empty()
+    os.kill(os.getpid(), signal.SIGTERM)
+    thread.join(PATIENCE_S)
+    assert guard.told == ["asked to end"]
+    assert drained(inbox) == [process._Parent.GONE]
+    os.close(asked)
+
+
+@pytest.fixture
+def echo(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[GuardChild]:
+    """The parent's end of a process that says its arguments, and then again whatever it hears."""
+    program = tmp_path / "echo"
+    program.write_text('#!/bin/sh\necho "$@"\nexec cat\n')
+    program.chmod(0o700)
+    monkeypatch.setattr(sys, "executable", str(program))
+    child = GuardChild("10.0.0.1", tmp_path)
+    assert lines_of(child, 1) == [f"-m robot.guard --arm 10.0.0.1 --journal {tmp_path}".encode()]
+    yield child
+    child.end(at_once=True)
+
+
+def lines_of(child: GuardChild, count: int) -> list[bytes]:
+    lines: list[bytes] = []
+    while len(lines) < count:
+        part = child.read(PATIENCE_S)
+        assert part, "nothing came"
+        lines += part
+    return lines
+
+
+def test_lines_go_to_the_process_and_come_back_whole(echo: GuardChild) -> None:
+    assert os.getsid(echo.pid) == echo.pid != os.getsid(0)  # a terminal's interrupt does not reach it
+    assert echo.read(0.0) == []
+    assert echo.send(b"one\ntw") is True
+    assert echo.send(b"o\n") is True
+    assert lines_of(echo, 2) == [b"one", b"two"]
+
+
+def test_a_process_that_does_not_read_takes_no_more_than_fits(echo: GuardChild) -> None:
+    os.kill(echo.pid, signal.SIGSTOP)
+    taken = [echo.send(b"x" * 4095 + b"\n") for _ in range(40)]
+    assert taken[0] is True
+    assert taken[-1] is False
+
+
+def test_a_process_that_is_dismissed_ends_by_itself_and_hears_nothing_more(echo: GuardChild) -> None:
+    echo.dismiss()
+    assert echo.send(b"late\n") is False
+    assert echo.read(PATIENCE_S) is None
+    echo.end(at_once=False)
+    assert echo._process.returncode == 0
+
+
+def test_a_process_that_does_not_end_is_killed(echo: GuardChild, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robot.guard.child._END_S", 0.01)
+    os.kill(echo.pid, signal.SIGSTOP)
+    echo.dismiss()
+    echo.end(at_once=False)
+    assert echo._process.returncode == -signal.SIGKILL
+
+
+def test_a_dead_process_takes_no_line(echo: GuardChild) -> None:
+    echo.end(at_once=True)
+    assert echo._process.returncode == -signal.SIGKILL
+    assert echo.send(b"late\n") is False
