@@ -6,6 +6,7 @@ survived when a test does.
 """
 
 import argparse
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,9 @@ from benchmarks.kept import keep_line, kept_lines
 from benchmarks.mutation.forks import Status
 from benchmarks.mutation.mutants import Mutant, mutants_of
 from benchmarks.mutation.packages import PACKAGES, Package, digest_of_module, digest_of_tests
+from benchmarks.mutation.page import holds, page
 from benchmarks.mutation.reach import reach_of
-from benchmarks.mutation.scores import score
+from benchmarks.mutation.scores import Score, score
 from benchmarks.mutation.trials import tried
 
 _TELL_EACH = 25
@@ -55,27 +57,36 @@ def _try_left(package: Package, left: list[Mutant], folder: Path, path: Path) ->
 
 
 def _named(mutant: Mutant) -> str:
+    """On one line, as an editor finds it."""
     return f"{mutant.place}:{mutant.lines[0]}  {mutant.before}  =>  {mutant.after}"
 
 
-def _print_score(package: Package, mutants: list[Mutant], folder: Path) -> None:
+def _score(package: Package, mutants: list[Mutant], folder: Path) -> Score:
     found = score(mutants, _kept(package, folder / f"{package.name}.jsonl"))
     print(f"\n{package.name}: {len(found.missed)} changes that no test notices")
     for mutant in found.missed:
         print(f"  {_named(mutant)}")
     print(
         f"{package.name}: {found.found} of {found.found + len(found.missed)} found, {100.0 * found.share:.1f} %; "
-        f"{len(mutants)} mutants, {found.tried} tried, {found.stillborn} that Python does not load, "
+        f"{found.tried} tried, {found.left} left, {found.stillborn} that Python does not load, "
         f"{found.equivalent} that mean the same"
     )
+    return found
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    arguments.folder.mkdir(parents=True, exist_ok=True)
+    packages = [PACKAGES[name] for name in arguments.packages]
+    tried_out = [(package, _try_out(package, arguments.folder)) for package in packages]
+    rows = [(package, _score(package, mutants, arguments.folder)) for package, mutants in tried_out]
+    if arguments.page:
+        arguments.page.write_text(page(rows))
+    return 0 if all(holds(found) for _, found in rows) else 1
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--packages", nargs="*", choices=sorted(PACKAGES), default=list(PACKAGES))
     parser.add_argument("--folder", type=Path, required=True, help="where the results are kept")
-    arguments = parser.parse_args()
-    arguments.folder.mkdir(parents=True, exist_ok=True)
-    packages = [PACKAGES[name] for name in arguments.packages]
-    for package, mutants in [(package, _try_out(package, arguments.folder)) for package in packages]:
-        _print_score(package, mutants, arguments.folder)
+    parser.add_argument("--page", type=Path, help="the page to write from them")
+    sys.exit(_run(parser.parse_args()))

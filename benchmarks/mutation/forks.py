@@ -20,7 +20,7 @@ PROCESSOR_S = 60  # several times what all tests of a package take
 _MEMORY_BYTES = 8 << 30
 _LOOK_S = 1.0
 _told_to = -1  # of this fork: the pipe to its parent
-_ASLEEP_S = 60.0  # without a moment of processor time: it waits for what never comes
+_ASLEEP_S = 8.0  # no thread of it runs or wants to: it waits for what never comes
 
 
 class Status(StrEnum):
@@ -109,11 +109,20 @@ def _wait(child: int, reading: int) -> dict[str, str]:
 
 
 def _looks(child: int) -> Iterator[bool]:
-    """Whether the child has been asleep for long, again and again."""
-    used, since_s = "", time.monotonic()
+    """Whether all of the child has been asleep for long, again and again."""
+    before, since_s = "", time.monotonic()
     while True:
-        fields = Path(f"/proc/{child}/stat").read_text().rpartition(")")[2].split()
-        now = " ".join(fields[11:13]) if fields[0] == "S" else str(time.monotonic())
-        if now != used:
-            used, since_s = now, time.monotonic()
+        now = _activity(child)
+        if now != before or " R " in now:
+            before, since_s = now, time.monotonic()
         yield time.monotonic() - since_s > _ASLEEP_S
+
+
+def _activity(process: int) -> str:
+    """State and processor time of each of its threads; threads come and go meanwhile."""
+    told = []
+    for thread in Path(f"/proc/{process}/task").iterdir():
+        with suppress(FileNotFoundError, ProcessLookupError):
+            fields = (thread / "stat").read_text().rpartition(")")[2].split()
+            told.append(f" {fields[0]} {thread.name} {fields[11]} {fields[12]}")
+    return "".join(told)

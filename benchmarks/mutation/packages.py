@@ -11,6 +11,7 @@ class Package:
     """Modules and their tests; what keeps real time is not among these."""
 
     name: str
+    what: str
     modules: tuple[str, ...]
     tests: str
     left_out: tuple[str, ...] = ()  # how their names begin
@@ -34,14 +35,18 @@ PACKAGES = {
         # its own page, which any change of the table fails: what they alone would find counts as not found.
         Package(
             "workflow",
+            "the rules",
             tuple(module for module in _modules("workflow") if module != "workflow.diagram"),
             "tests/workflow",
             ("tests/workflow/test_reachable.py", "tests/workflow/test_diagram.py"),
         ),
-        Package("diagram", ("workflow.diagram",), "tests/workflow/test_diagram.py"),
-        Package("guard", _modules("robot/guard"), "tests/robot"),
+        Package(
+            "diagram", "the picture and the page of the rules", ("workflow.diagram",), "tests/workflow/test_diagram.py"
+        ),
+        Package("guard", "the guard", _modules("robot/guard"), "tests/robot"),
         Package(
             "path",
+            "the checks of a path, before anybody approves it",
             tuple(
                 f"robot.{name}" for name in ("caps", "line", "path", "path_checks", "path_limits", "safety", "sweep")
             ),

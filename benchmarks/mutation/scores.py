@@ -2,7 +2,7 @@
 
 import tomllib
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +18,7 @@ class Score:
     """Of one package; what Python refuses to load and what means the same counts neither way."""
 
     tried: int
+    left: int  # not tried yet
     found: int
     equivalent: int
     stillborn: int
@@ -31,16 +32,22 @@ class Score:
 
 def reasons() -> dict[str, str]:
     """By mutant: why it means the same as what it changes."""
-    listed = tomllib.loads(_EQUIVALENT.read_text())["equivalent"]
-    return {key: entry["reason"] for entry in listed for key in entry["mutants"]}
+    listed = tomllib.loads(_EQUIVALENT.read_text())["same"]
+    return {key: entry["reason"] for entry in listed for key in entry["changes"]}
 
 
-def score(mutants: Iterable[Mutant], statuses: Mapping[str, Status]) -> Score:
-    """Of those that were tried."""
+def score(mutants: Sequence[Mutant], statuses: Mapping[str, Status]) -> Score:
+    """Of one package's mutants, those that were tried."""
     tried = [mutant for mutant in mutants if mutant.key in statuses]
     same = reasons()
     counts = Counter(statuses[mutant.key] for mutant in tried)
-    found = sum(counts[status] for status in _FOUND)
-    left = [mutant for mutant in tried if statuses[mutant.key] in (Status.SURVIVED, Status.UNREACHED)]
-    missed = tuple(mutant for mutant in left if mutant.key not in same)
-    return Score(len(tried), found, len(left) - len(missed), counts[Status.STILLBORN], missed)
+    unseen = [mutant for mutant in tried if statuses[mutant.key] in (Status.SURVIVED, Status.UNREACHED)]
+    missed = tuple(mutant for mutant in unseen if mutant.key not in same)
+    return Score(
+        tried=len(tried),
+        left=len(mutants) - len(tried),
+        found=sum(counts[status] for status in _FOUND),
+        equivalent=len(unseen) - len(missed),
+        stillborn=counts[Status.STILLBORN],
+        missed=missed,
+    )

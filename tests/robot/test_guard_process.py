@@ -5,7 +5,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from queue import SimpleQueue
 
@@ -155,16 +155,28 @@ def test_a_process_that_is_asked_to_end_stops_the_arm_first() -> None:
 
 
 @pytest.fixture
-def echo(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[GuardChild]:
-    """The parent's end of a process that says its arguments, and then again whatever it hears."""
-    program = tmp_path / "echo"
-    program.write_text('#!/bin/sh\necho "$@"\nexec cat\n')
-    program.chmod(0o700)
-    monkeypatch.setattr(sys, "executable", str(program))
-    child = GuardChild("10.0.0.1", tmp_path)
-    assert lines_of(child, 1) == [f"-m robot.guard --arm 10.0.0.1 --journal {tmp_path}".encode()]
-    yield child
-    child.end(at_once=True)
+def spawned(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Callable[[str], GuardChild]]:
+    """The parent's end of a process that says its arguments, and then goes on as it is told."""
+    children: list[GuardChild] = []
+
+    def spawn(then: str) -> GuardChild:
+        program = tmp_path / "program"
+        program.write_text(f'#!/bin/sh\necho "$@"\n{then}\n')
+        program.chmod(0o700)
+        monkeypatch.setattr(sys, "executable", str(program))
+        children.append(GuardChild("10.0.0.1", tmp_path))
+        assert lines_of(children[-1], 1) == [f"-m robot.guard --arm 10.0.0.1 --journal {tmp_path}".encode()]
+        return children[-1]
+
+    yield spawn
+    for child in children:
+        child.end(at_once=True)
+
+
+@pytest.fixture
+def echo(spawned: Callable[[str], GuardChild]) -> GuardChild:
+    """One that says again whatever it hears."""
+    return spawned("exec cat")
 
 
 def lines_of(child: GuardChild, count: int) -> list[bytes]:
@@ -186,7 +198,7 @@ def test_lines_go_to_the_process_and_come_back_whole(echo: GuardChild) -> None:
 
 def test_a_process_that_does_not_read_takes_no_more_than_fits(echo: GuardChild) -> None:
     os.kill(echo.pid, signal.SIGSTOP)
-    taken = [echo.send(b"x" * 4095 + b"\n") for _ in range(40)]
+    taken = [echo.send(b"x" * 4095 + b"\n") for _ in range(400)]  # more than two pipes and a buffer hold
     assert taken[0] is True
     assert taken[-1] is False
 
@@ -207,7 +219,17 @@ def test_a_process_that_does_not_end_is_killed(echo: GuardChild, monkeypatch: py
     assert echo._process.returncode == -signal.SIGKILL
 
 
-def test_a_dead_process_takes_no_line(echo: GuardChild) -> None:
+def test_a_process_that_ends_by_itself_in_time_is_not_killed(spawned: Callable[[str], GuardChild]) -> None:
+    child = spawned("cat\nsleep 0.05")
+    child.dismiss()
+    child.end(at_once=False)
+    assert child._process.returncode == 0
+
+
+def test_a_process_that_is_to_end_at_once_is_not_waited_for_and_takes_no_line(
+    echo: GuardChild, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robot.guard.child._END_S", 1000.0)
     echo.end(at_once=True)
     assert echo._process.returncode == -signal.SIGKILL
     assert echo.send(b"late\n") is False

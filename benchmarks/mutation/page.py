@@ -1,0 +1,48 @@
+"""The page of the changes that tests notice, made from the kept results."""
+
+from collections.abc import Sequence
+
+from benchmarks.mutation.packages import Package
+from benchmarks.mutation.scores import Score, reasons
+
+_HEAD = """# Do the tests notice?
+
+Made by `make mutation` from its results; written by no hand. Each part of the rules and of the guard is changed by
+itself: a comparison, a constant, an operator, a condition, a returned value, an exception that is raised or caught, a
+statement or an entry of a table left out. A change is found if a test fails, or never ends. Prose, annotations and
+constant subscripts stay as they are.
+
+Tried are the tests of the package that reach the changed line and keep no real time; what only the simulated room, the
+fault matrix or the whole service would find counts as missed. For the rules the search of every reachable case and the
+comparison of the table with its page are left out too. What Python itself refuses to load, and what means the same as
+before, counts neither way.
+
+| what | changes | refused by Python | mean the same | found | missed | score | asked |
+|---|---:|---:|---:|---:|---:|---:|---:|
+"""
+_ASKED = 0.9
+
+
+def page(rows: Sequence[tuple[Package, Score]]) -> str:
+    """Markdown: a table of all, then what was missed, and why some changes are none."""
+    table = "\n".join(_row(package, score) for package, score in rows)
+    missed = "\n".join(f"- `{mutant.key}`" for _, score in rows for mutant in score.missed)
+    same = "\n".join(f"- `{key}`: {reason}" for key, reason in sorted(reasons().items()))
+    return f"{_HEAD}{table}\n\n## What was missed\n\n{missed}\n\n## What means the same\n\n{same}\n"
+
+
+def _row(package: Package, score: Score) -> str:
+    counts = (score.tried, score.stillborn, score.equivalent, score.found, len(score.missed))
+    left = f", {score.left:,} not tried" if score.left else ""
+    cells = (
+        f"{package.what}{left}",
+        *(f"{count:,}" for count in counts),
+        f"{100.0 * score.share:.1f} %",
+        f"{_ASKED:.0%}",
+    )
+    return f"| {' | '.join(cells)} |"
+
+
+def holds(score: Score) -> bool:
+    """All tried, and as many found as asked for."""
+    return not score.left and score.share >= _ASKED
