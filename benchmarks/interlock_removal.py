@@ -18,14 +18,16 @@ _TESTS = [
     "old_image",
     "table",
 ]
-_REMOVAL = Removal(
+REMOVAL = Removal(
     plugin="tests.workflow.without_interlock",
     variable=VARIABLE,
     tests=tuple(f"tests/workflow/test_{name}.py" for name in _TESTS),
     not_counted="test_without_it_its_own_test_would_fail",
 )
 
+NAMES = sorted(INTERLOCKS)
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--interlocks", nargs="*", choices=sorted(INTERLOCKS), default=sorted(INTERLOCKS))
-    sys.exit(take_out_each(_REMOVAL, parser.parse_args().interlocks, "interlocks"))
+    parser.add_argument("--interlocks", nargs="*", choices=NAMES, default=NAMES)
+    sys.exit(take_out_each(REMOVAL, parser.parse_args().interlocks, "interlocks"))

@@ -3,8 +3,10 @@
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 _FAILED = 1  # pytest's exit status where a test failed; 2 and above mean that it could not run
 
@@ -21,6 +23,11 @@ class Removal:
     tests: tuple[str, ...]
     not_counted: str = ""
 
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """The plugin and the tests, as they are imported."""
+        return (self.plugin, *(test.removesuffix(".py").replace("/", ".") for test in self.tests))
+
 
 def first_failure(removal: Removal, taken_out: str) -> str | None:
     """The first test that fails; None if none does."""
@@ -34,6 +41,14 @@ def first_failure(removal: Removal, taken_out: str) -> str | None:
         raise RuntimeError(run.stdout + run.stderr)
     failed = next(line for line in run.stdout.splitlines() if line.startswith("FAILED "))
     return failed.removeprefix("FAILED ").split(" - ")[0]
+
+
+def trials(removal: Removal, names: Sequence[str], _inputs: Path, numbers: Sequence[int]) -> Iterator[dict[str, Any]]:
+    """For the evidence: a number is the place of a name."""
+    for number in numbers:
+        failed = first_failure(removal, names[number])
+        kind = "missed by a test" if failed else "missed by none"
+        yield {"number": number, "kind": kind, "bad": failed is None, "taken_out": names[number], "test": failed}
 
 
 def take_out_each(removal: Removal, names: Sequence[str], what: str) -> int:

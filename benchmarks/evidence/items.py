@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
+from benchmarks import check_removal, interlock_removal
 from benchmarks.evidence import failing_calls, power_loss, tampering
 from benchmarks.evidence.failing_calls import CALLS, FAILING, KILLED
 from benchmarks.evidence.inputs import prepare_all
@@ -11,6 +12,8 @@ from benchmarks.evidence.item import Item, Trials
 from benchmarks.fuzz import child, http_requests
 from benchmarks.fuzz import trials as fuzzing
 from benchmarks.fuzz.targets import TARGETS, Target
+from benchmarks.removal import Removal
+from benchmarks.removal import trials as trials_of_removal
 from benchmarks.states import kills, races, sequences
 
 _SCHEMA = "migrations/versions/*.py"
@@ -71,7 +74,23 @@ def _fuzzed(name: str, target: Target) -> Item:
     )
 
 
+def _removed(name: str, what: str, names: Sequence[str], removal: Removal) -> Item:
+    """Each in turn, until the first test fails."""
+    return Item(
+        name,
+        f"each {what} taken out in turn",
+        "a test fails",
+        _always(len(names)),
+        partial(trials_of_removal, removal, names),
+        at_once=10,
+        modules=(*removal.modules, "tests.conftest", f"{removal.modules[1].rpartition('.')[0]}.conftest"),
+        files=(_SCHEMA, *_DEVICES),
+    )
+
+
 ITEMS = (
+    _removed("interlock_removal", "interlock of the rules", interlock_removal.NAMES, interlock_removal.REMOVAL),
+    _removed("check_removal", "check of the guard", check_removal.NAMES, check_removal.REMOVAL),
     _of_every_call(
         "kill_at_every_write",
         "SIGKILL at every write or sync of one whole case",

@@ -23,8 +23,12 @@ def checks(module: str) -> list[str]:
     return [f"{module}:{node.test.lineno}" for node in _conditions(_parsed(module))]
 
 
-def pytest_configure(config: pytest.Config) -> None:
-    """Run the module once more as it would be without the check, before anything else has imported from it."""
+@pytest.hookimpl(tryfirst=True)
+def pytest_load_initial_conftests() -> None:
+    """Run the module once more as it would be without the check, before anything else has imported from it.
+
+    What the tests share imports the guard, so that a later hook would take out nothing that they use.
+    """
     module, _, line = os.environ[VARIABLE].partition(":")
     tree = _parsed(module)
     taken_out = [node for node in _conditions(tree) if node.test.lineno == int(line)]
