@@ -138,9 +138,9 @@ def _evidence(
         offsets = np.arange(-reach_steps, reach_steps + 1.0) * spacing_px
         shifts = np.column_stack([axis.ravel() for axis in np.meshgrid(offsets, offsets)]) + centre
         shadows = patch.shadows(shifts, radius_px, reader.crest_sd_px)
-        shadows -= (shadows @ ground) @ ground.T
         # least squares of one column beside the ground's: what it takes away, and by how much of it
-        match, size = shadows @ left, np.maximum(np.einsum("sp,sp->s", shadows, shadows), 1e-12)
+        match, size = shadows @ left, np.einsum("sp,sp->s", shadows, shadows) - ((shadows @ ground) ** 2).sum(axis=1)
+        size = np.maximum(size, 1e-12)
         remaining = np.where(match > 0.0, without - match**2 / size, math.inf)
         best = int(np.argmin(remaining))
         if remaining[best] < held:

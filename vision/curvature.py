@@ -58,7 +58,7 @@ class Curvature:
             for order, share in (((2, 0), 1.0), ((1, 1), 0.25), ((0, 2), 1.0))
         )
         inside = absorption.inside[cell_px // 2 :: cell_px, cell_px // 2 :: cell_px][:rows, :columns]
-        return cls(cell_px, sigma, smooth, uu, uv, vv, inside)
+        return cls(cell_px, sigma, smooth, uu, uv, vv, np.ascontiguousarray(inside))
 
     @cached_property
     def greater(self) -> Array32:
@@ -88,12 +88,12 @@ class Curvature:
         """Raw pixels (n, 2) of places (n, 2) counted in cells, both from the centre of the first."""
         return np.asarray((cells + 0.5) * self.cell_px - 0.5)
 
-    def cells_at(self, raw: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
-        """Row and column (n,) of the cells that hold raw pixels (n, 2), and which of those lie in the image."""
+    def cells_at(self, raw: Array) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+        """Number (n,), row by row, of the cells that hold raw pixels (n, 2), and which of those lie in the image."""
         column, row = np.floor((raw + 0.5) / self.cell_px).astype(np.intp).T
         rows, columns = self.smooth.shape
         seen: NDArray[np.bool_] = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
-        return np.where(seen, row, 0), np.where(seen, column, 0), seen
+        return np.where(seen, row * columns + column, 0), seen
 
     def slopes(self, row: NDArray[np.intp], column: NDArray[np.intp]) -> tuple[Array32, Array32]:
         """First derivatives (n,) of the smoothed absorption along u and v at cells, per cell."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.conics import Ellipse, fit_ellipse
-from vision.ellipse_forms import centres, dot, form_from, gradients, semi_axes
+from vision.ellipse_forms import centres, dot, form_from, gradients, length, semi_axes
 from vision.ridge_map import RidgeMap
 from vision.wires import Ridge
 
@@ -134,11 +134,11 @@ def _through(points: Array, normals: Array, triple: NDArray[np.intp], axes: Axis
     """Plausible ellipses (h, 5) through triples (3, k) of ridge points (2, n), by their tangents."""
     widths_px = (np.ptp(axis[triple], axis=0) for axis in points)
     triple = triple[:, np.maximum(*widths_px) < 2.0 * axes.greatest_px]
-    p, n = points[:, triple], normals[:, triple]
+    p, n = points.take(triple, axis=1), normals.take(triple, axis=1)
     forms = form_from(centres(p, n), p)
     with np.errstate(invalid="ignore", over="ignore"):
         slope = gradients(forms, p - forms[:2, None])
-        tangent = (np.abs(dot(slope, n)) > _NORMALS_WITHIN * np.hypot(*slope)).all(axis=0)
+        tangent = (np.abs(dot(slope, n)) > _NORMALS_WITHIN * length(slope)).all(axis=0)
     found = np.ascontiguousarray(forms[:, tangent].T)
     return np.asarray(found[axes.holds(found)])
 

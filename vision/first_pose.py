@@ -216,8 +216,8 @@ class LineDirections:
         return max(float(np.median(np.concatenate(curves))), 1e-6)
 
     def _read(self, points: Array, normals: Array) -> Array:
-        row, column, seen = self._curvature.cells_at(self._distortion.raw_from_corrected(points))
-        uu, uv, vv = (part[row, column] for part in (self._curvature.uu, self._curvature.uv, self._curvature.vv))
+        cell, seen = self._curvature.cells_at(self._distortion.raw_from_corrected(points))
+        uu, uv, vv = (part.take(cell) for part in (self._curvature.uu, self._curvature.uv, self._curvature.vv))
         x, y = normals.T
-        seen &= self._curvature.inside[row, column]
+        seen &= self._curvature.inside.take(cell)
         return np.where(seen, x * x * uu + 2.0 * x * y * uv + y * y * vv, 0.0)

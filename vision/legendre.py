@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+_AT_ONCE = 1 << 10  # points evaluated together: what a processor keeps near it
+
 
 def exponents(degree: int) -> NDArray[np.intp]:
     """Degrees in x and y (m, 2) of the terms of total degree up to `degree`, in the order of their coefficients."""
@@ -23,9 +25,12 @@ def terms(points: Array, degree: int) -> Array:
 
 def evaluate(grid: Array, points: Array) -> Array:
     """Values (n, k) at points (n, 2) of k polynomials with a `power_grid` (k, d + 1, d + 1)."""
-    x, y = _powers(points, grid.shape[1] - 1)
-    along_y = (grid.reshape(-1, grid.shape[2]) @ y).reshape(*grid.shape[:2], -1)
-    return np.asarray(np.einsum("kin,in->nk", along_y, x))
+    values = np.empty((len(points), len(grid)))
+    for start in range(0, len(points), _AT_ONCE):
+        x, y = _powers(points[start : start + _AT_ONCE], grid.shape[1] - 1)
+        along_y = (grid.reshape(-1, grid.shape[2]) @ y).reshape(*grid.shape[:2], -1)
+        np.einsum("kin,in->nk", along_y, x, out=values[start : start + _AT_ONCE])
+    return values
 
 
 def evaluate_on_grid(grid: Array, x: Array, y: Array) -> Array:

@@ -184,7 +184,8 @@ def _uncrossed(samples: WireSamples, wires: WireSamples, scene: Scene) -> NDArra
     clear_px = scene.reader.reach_px + 2.0 * scene.reader.crest_sd_px
     for wire in Wire:
         on = samples.wire == wire
-        distance, _ = KDTree(wires.points[wires.wire != wire]).query(samples.points[on], distance_upper_bound=clear_px)
+        others = KDTree(wires.points[wires.wire != wire], balanced_tree=False, compact_nodes=False)  # sooner built
+        distance, _ = others.query(samples.points[on], distance_upper_bound=clear_px)
         free[on] = distance > clear_px
     if len(scene.balls):
         clear_px = float(scene.balls[:, 2].max()) + _BALL_MARGIN * scene.reader.reach_px

@@ -6,7 +6,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from vision.ellipse_forms import around, dot, fitted, gradients
+from vision.ellipse_forms import around, dot, fitted, gradients, length
 from vision.wires import Ridge
 
 Array = NDArray[np.float64]
@@ -27,10 +27,10 @@ class RidgeMap:
         self._ridge = ridge
         self._corner = ridge.points.min(axis=0) - _MARGIN * ridge.spacing_px
         column, row = self._cells(*ridge.points.T)
-        self._last = column.max() + _MARGIN, row.max() + _MARGIN
+        self._last = int(column.max()) + _MARGIN, int(row.max()) + _MARGIN
         self._owner = np.full((self._last[1] + 1, self._last[0] + 1), -1, dtype=np.intp)
-        for shift in _disc(_REACH):
-            self._owner[row + shift[1], column + shift[0]] = np.arange(len(row))
+        shift_u, shift_v = _disc(_REACH).T[:, :, None]
+        self._owner[row + shift_v, column + shift_u] = np.arange(len(row))
         self._points, self._normals = (np.ascontiguousarray(axes.T) for axes in (ridge.points, ridge.normals))
 
     def _cells(self, u: Array, v: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -44,7 +44,8 @@ class RidgeMap:
     def _near(self, u: Array, v: Array) -> NDArray[np.intp]:
         """Index (...) of a ridge point near each place, corrected pixels; -1 where there is none."""
         column, row = self._cells(u, v)
-        return np.asarray(self._owner[np.clip(row, 0, self._last[1]), np.clip(column, 0, self._last[0])])
+        cell = np.clip(row, 0, self._last[1]) * self._owner.shape[1] + np.clip(column, 0, self._last[0])
+        return self._owner.take(cell)
 
     def _matches(
         self, forms: Array, samples: int, within: float, parallel: float
@@ -70,26 +71,27 @@ class RidgeMap:
             return forms
         index, agree = self._matches(forms, samples, within, parallel)
         enough = agree.sum(axis=1) >= _LEAST_FOLLOWERS
-        return fitted(forms[enough], self._ridge.points[index[enough]], agree[enough].astype(np.float64))
+        return fitted(forms[enough], self._ridge.points.take(index[enough], axis=0), agree[enough].astype(np.float64))
 
     def followers(self, form: Array, within: float, parallel: float) -> NDArray[np.bool_]:
         """Which ridge points follow an ellipse (5,): near it, by Sampson's distance, and in its direction."""
         offsets = self._points - form[:2, None]
         slope = gradients(form[:, None], offsets[:, :, None])[:, :, 0]
-        length = np.hypot(*slope)
+        steepness = length(slope)
         with np.errstate(divide="ignore", invalid="ignore"):
-            distance = np.abs(dot(slope, offsets) / 2.0 - 1.0) / length
-            along = np.abs(dot(slope, self._normals)) / length
+            distance = np.abs(dot(slope, offsets) / 2.0 - 1.0) / steepness
+            along = np.abs(dot(slope, self._normals)) / steepness
         return np.asarray((distance < within * self._ridge.spacing_px) & (along > parallel))
 
     def pieces(self) -> NDArray[np.intp]:
         """Number (n,) of the unbroken, smoothly bending piece of ridge that each point belongs to."""
         points = self._ridge.points
-        pairs = KDTree(points).query_pairs(_LINKED_WITHIN * self._ridge.spacing_px, output_type="ndarray").T
-        here, there = (self._points[:, ends] for ends in pairs)
-        one, other = (self._normals[:, ends] for ends in pairs)
+        tree = KDTree(points, balanced_tree=False, compact_nodes=False)  # sooner built, and asked but once
+        pairs = tree.query_pairs(_LINKED_WITHIN * self._ridge.spacing_px, output_type="ndarray").T
+        here, there = (self._points.take(ends, axis=1) for ends in pairs)
+        one, other = (self._normals.take(ends, axis=1) for ends in pairs)
         step = there - here
-        reach = _BESIDE * self._ridge.spacing_px + _BENT * np.hypot(*step)
+        reach = _BESIDE * self._ridge.spacing_px + _BENT * length(step)
         linked = np.maximum(np.abs(dot(step, one)), np.abs(dot(step, other))) < reach
         first, second = pairs[:, linked & (np.abs(dot(one, other)) > _BENT_WITHIN)]
         links = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(len(points), len(points)))

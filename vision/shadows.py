@@ -64,6 +64,6 @@ def ball_shadows(window: Window, balls_raw: Array, distortion: DistortionMap, pr
     steps_v, steps_u = (axis.ravel() for axis in np.meshgrid(steps, steps, indexing="ij"))
     away = np.stack((steps_u, steps_v), axis=1) + (middle - balls_raw)[:, None, :]
     away = away @ distortion.jacobian(balls_raw).transpose(0, 2, 1)
-    heights = profile.heights(np.hypot(away[:, :, 0], away[:, :, 1]))
+    heights = profile.heights(np.sqrt(np.einsum("mpi,mpi->mp", away, away)))
     np.add.at(drawn, (corner[:, 1, None] + steps_v, corner[:, 0, None] + steps_u), heights)
     return drawn

@@ -47,8 +47,8 @@ def fit_spots(values: NDArray[np.float32], starts: Array, radius_px: float) -> S
     limits = np.array(values.shape[::-1]) - reach - 1
     inside: NDArray[np.bool_] = np.all((pixels >= reach + 1) & (pixels < limits), axis=1)
     corner = np.where(inside[:, None], pixels, reach + 1)
-    rows, columns = corner[:, 1, None, None] + offsets[:, None], corner[:, 0, None, None] + offsets
-    patches = _without_ground(values[rows, columns].astype(np.float64), offsets)
+    pixel = (corner[:, 1, None, None] + offsets[:, None]) * values.shape[1] + corner[:, 0, None, None] + offsets
+    patches = _without_ground(values.take(pixel).astype(np.float64), offsets)
     centres, sigma = np.where(inside[:, None], starts - corner, 0.0), np.full(len(starts), _WIDTH * radius_px)
     amplitude, moving = np.zeros(len(starts)), np.arange(len(starts))
     for _ in range(_MOST_ROUNDS):
@@ -65,10 +65,15 @@ def fit_spots(values: NDArray[np.float32], starts: Array, radius_px: float) -> S
 
 def _without_ground(patches: Array, offsets: NDArray[np.intp]) -> Array:
     """Patches (n, s, s) less their best sloping plane."""
-    x: Array = offsets / np.sqrt(float((offsets**2).sum() * len(offsets)))
-    mean = patches.mean(axis=(1, 2))
-    along_u, along_v = patches.sum(axis=1) @ x, patches.sum(axis=2) @ x
-    return np.asarray(patches - mean[:, None, None] - along_u[:, None, None] * x - along_v[:, None, None] * x[:, None])
+    along = _orthonormal(offsets)
+    by_terms = along.T @ patches @ along
+    by_terms[:, 1, 1] = 0.0
+    return np.asarray(patches - along @ by_terms @ along.T)
+
+
+def _orthonormal(offsets: NDArray[np.intp]) -> Array:
+    """Columns (s, 2) of unit length: one and the offsets, which are even about 0."""
+    return np.column_stack((np.ones(len(offsets)), offsets)) / np.sqrt([len(offsets), float((offsets**2).sum())])
 
 
 def _step(patches: Array, centres: Array, sigma: Array, offsets: NDArray[np.intp]) -> tuple[Array, Array, Array]:
@@ -81,7 +86,7 @@ def _step(patches: Array, centres: Array, sigma: Array, offsets: NDArray[np.intp
     powers_u, powers_v = _POWERS.T
     gram = (along_u @ along_u.swapaxes(1, 2))[:, powers_u[:, None], powers_u]
     gram *= (along_v @ along_v.swapaxes(1, 2))[:, powers_v[:, None], powers_v]
-    plane = np.column_stack((np.ones(len(offsets)), offsets)) / np.sqrt([len(offsets), float((offsets**2).sum())])
+    plane = _orthonormal(offsets)
     plane_u, plane_v = (along_u @ plane)[:, powers_u], (along_v @ plane)[:, powers_v]
     shared: Array = np.stack([plane_u[:, :, i] * plane_v[:, :, j] for i, j in ((0, 0), (1, 0), (0, 1))], axis=2)
     gram -= shared @ shared.swapaxes(1, 2)

@@ -111,7 +111,7 @@ def samples_at(view: View, guide: Guide, alongs: list[Array]) -> WireSamples:
     """Samples of the three wires at given places, (n,) for each wire in the order of `Wire`."""
     wire, along = np.repeat(np.arange(len(Wire)), [len(along) for along in alongs]), np.concatenate(alongs)
     points, tangents = _curve(view, guide, wire, along)
-    normals = _across(tangents) / np.hypot(*tangents.T)[:, None]
+    normals = _across(tangents) / np.sqrt(np.einsum("ni,ni->n", tangents, tangents))[:, None]
     return WireSamples(wire, along, points, normals)
 
 

@@ -27,7 +27,8 @@ class Ridge:
 
     def beyond(self, places: Array, within_px: float) -> "Ridge":
         """The points that lie farther than so many pixels from all places (n, 2)."""
-        distance_px, _ = KDTree(places).query(self.points, distance_upper_bound=within_px)
+        tree = KDTree(places, balanced_tree=False, compact_nodes=False)  # sooner built
+        distance_px, _ = tree.query(self.points, distance_upper_bound=within_px)
         away = ~(distance_px <= within_px)
         return Ridge(self.points[away], self.normals[away], self.spacing_px)
 
@@ -59,15 +60,15 @@ def ridge_points(curvature: Curvature, distortion: DistortionMap, balls: Array) 
     Steger's detector: the crest is where the derivative along the direction of greatest curvature vanishes.
     """
     strong = (curvature.greater > _CONTRAST_SD * curvature.noise_of(curvature.greater)) & curvature.inside
-    rows, columns = np.divmod(np.flatnonzero(strong), strong.shape[1])
-    across = curvature.greater[rows, columns]
-    uu, uv, vv = (part[rows, columns] for part in (curvature.uu, curvature.uv, curvature.vv))
+    cell = np.flatnonzero(strong)
+    rows, columns = np.divmod(cell, strong.shape[1])
+    across, uu, uv, vv = (part.take(cell) for part in (curvature.greater, curvature.uu, curvature.uv, curvature.vv))
     angle = 0.5 * np.arctan2(2.0 * uv, uu - vv)
     normal_u, normal_v = np.cos(angle), np.sin(angle)
     along_u, along_v = curvature.slopes(rows, columns)
     shift = (normal_u * along_u + normal_v * along_v) / across * np.float32(curvature.sigma_cells**2)
     crest = np.maximum(np.abs(shift * normal_u), np.abs(shift * normal_v)) < _CREST_WITHIN_CELLS
-    crest &= np.abs(curvature.lesser[rows, columns]) < _ALONG_TO_ACROSS * across
+    crest &= np.abs(curvature.lesser.take(cell)) < _ALONG_TO_ACROSS * across
     normals = np.column_stack((normal_u, normal_v))[crest].astype(np.float64)
     cells = np.column_stack((columns, rows))[crest] + shift[crest, None] * normals
     raw = curvature.raw_from_cells(cells)
