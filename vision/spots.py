@@ -73,7 +73,8 @@ def _without_ground(patches: Array, offsets: NDArray[np.intp]) -> Array:
 
 def _orthonormal(offsets: NDArray[np.intp]) -> Array:
     """Columns (s, 2) of unit length: one and the offsets, which are even about 0."""
-    return np.column_stack((np.ones(len(offsets)), offsets)) / np.sqrt([len(offsets), float((offsets**2).sum())])
+    terms: Array = np.column_stack((np.ones(len(offsets)), offsets))
+    return np.asarray(terms / np.sqrt((terms**2).sum(axis=0)))
 
 
 def _step(patches: Array, centres: Array, sigma: Array, offsets: NDArray[np.intp]) -> tuple[Array, Array, Array]:

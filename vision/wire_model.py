@@ -110,13 +110,14 @@ def sample_wires(view: View, guide: Guide) -> WireSamples:
 def samples_at(view: View, guide: Guide, alongs: list[Array]) -> WireSamples:
     """Samples of the three wires at given places, (n,) for each wire in the order of `Wire`."""
     wire, along = np.repeat(np.arange(len(Wire)), [len(along) for along in alongs]), np.concatenate(alongs)
-    points, tangents = _curve(view, guide, wire, along)
+    points, tangents = curve(view, guide, wire, along)
     normals = _across(tangents) / np.sqrt(np.einsum("ni,ni->n", tangents, tangents))[:, None]
     return WireSamples(wire, along, points, normals)
 
 
-def _curve(view: View, guide: Guide, wire: NDArray[np.intp], along: Array) -> tuple[Array, Array]:
-    """Corrected pixels (n, 2) of places (n,) on wires (n,), and their derivative (n, 2) by the place."""
+def curve(view: View, guide: Guide, wire: Wire | NDArray[np.intp], along: Array) -> tuple[Array, Array]:
+    """Corrected pixels (n, 2) of places (n,) on one wire or on wires (n,), and their derivative (n, 2) by the place."""
+    wire = np.broadcast_to(wire, along.shape)
     rotation, intrinsics = view.source_from_guide[:3, :3], view.intrinsics
     in_guide = points_in_guide(guide, wire, along).T
     x, y, z = rotation @ in_guide + view.source_from_guide[:3, 3:]
