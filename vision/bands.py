@@ -167,7 +167,7 @@ class _Band:
 def _band(wires: _Wires, wire: Wire, first_piece: int) -> tuple[Array, _Band]:
     """Middles (s,) of one wire's pieces, and their pixels."""
     pixel = np.flatnonzero(wires.masks[wire])
-    corrected = wires.corrected[:, pixel]
+    corrected = wires.corrected.take(pixel, axis=1)
     at = feet(wires.view, wires.guide, wire, corrected.T)
     reach_px = _REACH * wires.width_px[wire]
     middles, piece, from_middle = _divided(wires, wire, at.along, float(np.median(at.speed_px)))

@@ -27,20 +27,20 @@ class Plausible:
 
 
 @cache
-def _hints(kind: Any) -> dict[str, Any]:
-    """Annotations of a class; a fit makes thousands of guides of slightly other dimensions."""
-    return get_type_hints(kind, include_extras=True)
+def _limits(kind: Any) -> tuple[tuple[str, Plausible], ...]:
+    """Fields of a class that have a plausible range; a fit makes thousands of guides of slightly other dimensions."""
+    hints = get_type_hints(kind, include_extras=True).items()
+    return tuple((name, limit) for name, hint in hints for limit in getattr(hint, "__metadata__", ()))
 
 
 def _check_ranges(device: Any) -> None:
     """ValueError naming the first field outside its plausible range."""
     kind: Any = type(device)
-    for name, hint in _hints(kind).items():
-        for limit in getattr(hint, "__metadata__", ()):
-            value = getattr(device, name)
-            if not limit.low <= value <= limit.high:
-                limits = f"the plausible {limit.low:g} to {limit.high:g}"
-                raise ValueError(f"{kind.__name__}: {name} = {value:g} is outside {limits}")
+    for name, limit in _limits(kind):
+        value = getattr(device, name)
+        if not limit.low <= value <= limit.high:
+            limits = f"the plausible {limit.low:g} to {limit.high:g}"
+            raise ValueError(f"{kind.__name__}: {name} = {value:g} is outside {limits}")
 
 
 class DetectorKind(StrEnum):
