@@ -1,4 +1,4 @@
-"""What the trials of a whole case begin with, made once: prepared folders, a recorded one, how many calls it takes.
+"""What the trials of a whole case begin with, made once: prepared folders, a recorded one, the calls that it takes.
 
 A prepared folder has schema, key and surgeon, and the results of a case yet to be recorded. With small images each
 system call of the case can be made to fail in turn; whole ones fill the journal, so that it is written into the
@@ -18,8 +18,8 @@ from argon2 import PasswordHasher
 from pydicom import dcmread
 
 from benchmarks.computed_results import compute
-from benchmarks.evidence.failing_calls import CALLS, is_of_the_database
-from benchmarks.evidence.system_calls import recorded, untroubled
+from benchmarks.evidence.failing_calls import CALLS, writing_calls
+from benchmarks.evidence.system_calls import Call, recorded, untroubled
 from benchmarks.evidence.whole_case import RECORDED, RESULTS, SMALL, WHOLE, settings_of
 from service.auth.permissions import Role
 from service.auth.users import UserStore
@@ -34,7 +34,7 @@ def prepare_all(inputs: Path) -> None:
     _make(inputs / WHOLE, lambda folder: prepare(folder, small=False))
     _make(inputs / RECORDED, lambda folder: _record(inputs / SMALL, folder))
     if not (inputs / CALLS).exists():
-        (inputs / CALLS).write_text(str(_writing_calls(inputs / SMALL)))
+        (inputs / CALLS).write_text("\n".join(writing_calls(_recorded_calls(inputs / SMALL))))
 
 
 def prepare(folder: Path, *, small: bool) -> None:
@@ -73,9 +73,8 @@ def _record(prepared: Path, folder: Path) -> None:
     untroubled(folder)
 
 
-def _writing_calls(prepared: Path) -> int:
-    """How many a whole case makes on the files of its database."""
+def _recorded_calls(prepared: Path) -> list[Call]:
     with TemporaryDirectory() as place:
         victim = Path(place) / "data"
         shutil.copytree(prepared, victim)
-        return sum(is_of_the_database(call) for call in recorded(victim))
+        return recorded(victim)

@@ -39,7 +39,7 @@ def _of_every_call(name: str, what: str, asked: str, faults: Sequence[str]) -> I
     """Every call in turn with every fault."""
 
     def count(inputs: Path) -> int:
-        return int((inputs / CALLS).read_text()) * len(faults)
+        return len((inputs / CALLS).read_text().split()) * len(faults)
 
     trials = partial(failing_calls.trials, faults=faults)
     return _of_a_whole_case(name, what, asked, count, trials, at_once=20, waits=True)

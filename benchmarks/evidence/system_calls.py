@@ -6,7 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -77,23 +77,23 @@ class Ran:
     met: bool  # by the fault: a call that is never made proves nothing
 
 
-def with_fault(folder: Path, fault: str, nth: str) -> Ran:
-    """The whole case, its nth writing call on the database's files being met by a fault (`error=EIO`...).
+def with_fault(folder: Path, fault: str, met: Mapping[str, str]) -> Ran:
+    """The whole case, calls on the database's files being met by a fault (`error=EIO`...): which one of each name.
 
     The process is a copy of one that has loaded everything, and begins once it is traced.
     """
     files = [str(folder / f"coaxial.sqlite{end}") for end in ("", "-wal", "-shm")]
     of_them = [part for file in files for part in ("-P", file)]
-    names = ",".join(name for name in WRITING if name != "write")
-    inject = ["-e", f"trace={names}", "-e", f"inject={names}:{fault}:when={nth}"]
+    inject = ["-e", f"trace={','.join(met)}"]
+    inject += [part for name, when in met.items() for part in ("-e", f"inject={name}:{fault}:when={when}")]
     trace, said, errors = (folder.parent / f"{folder.name}.{end}" for end in ("faults", "said", "errors"))
     victim = _VICTIMS.Process(target=whole_case.record_once_traced, args=(folder, said, errors))
     victim.start()
     _run([strace(), "-f", *of_them, *inject, "-o", str(trace), "-p", str(victim.pid)], check=False)
     victim.join(_TIMEOUT_S)
     assert victim.exitcode is not None, f"still recording after {_TIMEOUT_S} s"
-    met = any(mark in trace.read_text() for mark in ("(INJECTED)", "killed by SIGKILL"))
-    return Ran(victim.exitcode, said.read_text(), errors.read_text(), met)
+    came = any(mark in trace.read_text() for mark in ("(INJECTED)", "killed by SIGKILL"))
+    return Ran(victim.exitcode, said.read_text(), errors.read_text(), came)
 
 
 def _run(command: Sequence[str], *, check: bool) -> "subprocess.CompletedProcess[str]":

@@ -26,26 +26,41 @@ def folder(tmp_path_factory):
     return folder
 
 
-def _cut(folder, tmp_path, *pragmas):
-    shutil.copytree(folder / SMALL, tmp_path / "data")
-    calls = recorded(tmp_path / "data", pragmas)
+@pytest.fixture(scope="module")
+def calls(folder):
+    return _recorded(folder, folder / "data")
+
+
+def _recorded(folder, victim, *pragmas):
+    shutil.copytree(folder / SMALL, victim)
+    return recorded(victim, pragmas)
+
+
+def _cut(folder, calls, tmp_path):
     return list(cuts(folder / SMALL, calls, range(_CUTS), tmp_path / "cut"))
 
 
-def test_no_power_cut_loses_what_was_acknowledged_or_leaves_half_of_anything(folder, tmp_path):
-    found = _cut(folder, tmp_path)
+def test_no_power_cut_loses_what_was_acknowledged_or_leaves_half_of_anything(folder, calls, tmp_path):
+    found = _cut(folder, calls, tmp_path)
     assert len(found) == _CUTS
     assert max(one.acknowledged for one in found) > 10
     assert [one for one in found if one.lost or one.corrupt] == []
 
 
 def test_a_journal_that_is_synced_less_is_seen_to_lose(folder, tmp_path):
-    assert sum(one.lost > 0 for one in _cut(folder, tmp_path, "synchronous=NORMAL")) > _CUTS // 10
+    calls = _recorded(folder, tmp_path / "data", "synchronous=NORMAL")
+    assert sum(one.lost > 0 for one in _cut(folder, calls, tmp_path)) > _CUTS // 10
 
 
-@pytest.mark.parametrize("fault", [*failing_calls.KILLED, "error=ENOSPC from then on"])
-def test_a_write_that_is_the_last_or_fails_costs_nothing_acknowledged(folder, fault):
-    (trial,) = failing_calls.trials(folder, [170], [fault])
+@pytest.mark.parametrize(
+    ("name", "fault"),
+    [(name, *failing_calls.KILLED) for name in ("pwrite64", "fdatasync", "unlink")]
+    + [("pwrite64", "error=ENOSPC from then on"), ("fdatasync", "error=EIO")],
+)
+def test_a_write_a_sync_or_a_removal_that_is_the_last_or_fails_costs_nothing_acknowledged(folder, calls, name, fault):
+    names = failing_calls.writing_calls(calls)
+    (folder / failing_calls.CALLS).write_text("\n".join(names))
+    (trial,) = failing_calls.trials(folder, [max(place for place, call in enumerate(names) if call == name)], [fault])
     assert trial["entries"] >= trial["acknowledged"] > 2
     assert not trial["bad"], trial["said"]
 
