@@ -19,6 +19,7 @@ from robot.dashboard import DashboardLink
 from robot.errors import ArmClaimedError, ArmUnreachableError, ControllerRefusedError, RobotError
 from robot.feedback_probe import feedback_flows
 from robot.frames import Array, Transform
+from robot.library_waits import Waits
 from robot.rtde_frames import RTDE_PORT
 from robot.safety import PROGRAM_RUNNING_BIT, SafetyWords, classify
 
@@ -26,6 +27,9 @@ _PROBE_S = 0.3
 _RUNTIME_STOPPED = (0, 1)  # stopping, stopped; a paused program could be resumed and counts as running
 _TORN_READS = 3
 _CLOSING_S = 2.0
+# The library's destructor sleeps half a second in which no other thread runs and no stop could be sent: closed
+# interfaces, which hold nothing any more, are kept until the process ends.
+_CLOSED: list[RTDEControlInterface] = []
 
 
 class UR5:
@@ -40,9 +44,7 @@ class UR5:
         self._ending: Thread | None = None
         self._closing: Thread | None = None
         self._closed_by_s = 0.0
-        # The library's destructor sleeps half a second in which no other thread runs and no stop could be sent: closed
-        # interfaces, which hold nothing any more, are kept until the process ends.
-        self._closed: list[RTDEControlInterface] = []
+        self._waits = Waits()
         self._read_time_s = -1.0
 
     def connect(self) -> bool:
@@ -87,8 +89,10 @@ class UR5:
         if not self._answers():
             raise ArmUnreachableError(f"the controller at {self._address} does not answer")
         self._await_closing()
+        self._waits.close()
         try:
-            self._control = RTDEControlInterface(self._address)
+            with self._waits.noted():
+                self._control = RTDEControlInterface(self._address)
             armed = self._control.isProgramRunning() and self._control.setWatchdog(watchdog_hz)
         except RuntimeError as error:
             raise ControllerRefusedError(str(error)) from error
@@ -133,7 +137,7 @@ class UR5:
             self._closing = Thread(target=_close, args=(self._control, self._ending), name="closing", daemon=True)
             self._closing.start()
             self._closed_by_s = time.monotonic() + _CLOSING_S
-            self._closed.append(self._control)
+            _CLOSED.append(self._control)
         self._control = self._ending = None
 
     def release_pendant(self) -> None:
