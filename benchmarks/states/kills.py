@@ -18,15 +18,14 @@ from uuid import uuid4
 import numpy as np
 
 from benchmarks.evidence.power_loss import look
+from benchmarks.evidence.served_room import serve_room
 from coaxial_client import Case, NoAnswer, Refused
 from service.cases import store
 from service.cases.records import StoredEvent
 from service.database.engines import open_database
-from simulator.controller import ControllerProcess, ControllerSettings, Payload, free_loopback_address
-from tests.databases import SqliteFiles
 from tests.system.carm import CArm
-from tests.system.conftest import CASE, add_users, upload_devices
-from tests.system.service_process import PIN, Service
+from tests.system.conftest import CASE
+from tests.system.service_process import PIN
 from tests.system.walk import lift, tilted_guide, until
 
 Trial = dict[str, Any]
@@ -122,19 +121,8 @@ class KilledRoom:
     """A service and a controller; the service is killed and started again."""
 
     def __init__(self, opened: ExitStack, folder: Path) -> None:
-        flange_from_tcp = np.eye(4)
-        flange_from_tcp[2, 3] = 150.0
-        settings = ControllerSettings(free_loopback_address(), flange_from_tcp=flange_from_tcp, payload=Payload())
-        self.controller = opened.enter_context(ControllerProcess(settings))
-        self.folder = folder / "data"
-        self.folder.mkdir()
-        self._database_url = opened.enter_context(SqliteFiles(folder).migrated(self.folder))
-        self.service = Service(self.folder, self.controller.address, self._database_url)
-        add_users(self._database_url)
-        self.service.start()
-        opened.callback(self.service.end)
+        self.service, self.controller = serve_room(opened, folder)
         with self.service.sign_in() as client:
-            upload_devices(client)
             case = client.open_case(CASE)
             case.command("guide-state-stated", guide="empty")
             self._case_id = case.id
@@ -155,7 +143,7 @@ class KilledRoom:
         before = self._events()
         until(lambda: not self.controller.state().moving, _PATIENCE_S)
         stood_rad = np.array(self.controller.state().joints_rad)
-        corrupt = look(self.folder)[1]
+        corrupt = look(self.service.folder)[1]
         self.service.start()
         with self.service.sign_in() as client:
             procedure.case = client.case(self._case_id)
@@ -174,7 +162,7 @@ class KilledRoom:
 
     def _events(self) -> list[StoredEvent]:
         """As they are on the disk."""
-        database = open_database(self._database_url)
+        database = open_database(self.service.database_url)
         try:
             with database.read() as connection:
                 return list(store.all_events(connection, self._case_id))

@@ -29,11 +29,12 @@ class Held(Exception):  # noqa: N818  a turn of the procedure, no error of the t
 class Walk:
     """Leads a case from state to state, the C-arm seeing the guide where the motions bring it."""
 
+    target_px = (560.0, 470.0)
+
     def __init__(self, case: Case, carm: CArm) -> None:
         self.case = case
         self.carm = carm
         self.source_from_guide = tilted_guide()
-        self.target_px = (560.0, 470.0)
 
     def to(self, state: str) -> dict:
         """From case_open to a state of the plain way, off_target and safe_hold included; its status.
@@ -82,8 +83,8 @@ class Walk:
         answer = self.case.command("target-confirmed", echo_id=echo["echo_id"], planned_target=planned_target)
         self._aim(answer)
 
-    def moved(self, kind: str = "targeting") -> None:
-        plan = self.case.plan(kind)
+    def moved(self, kind: str = "targeting", **goal: object) -> None:
+        plan = self.case.plan(kind, **goal)
         with self.case.hold(self.case.approve(plan, PIN)) as hold:
             cause = hold.wait(60.0).cause
         if cause in ("heartbeat_lost", "feedback_lost"):
