@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks import check_removal, interlock_removal
-from benchmarks.evidence import failing_calls, power_loss, tampering
+from benchmarks.evidence import failing_calls, power_loss, soak, tampering
 from benchmarks.evidence.failing_calls import CALLS, FAILING, KILLED
 from benchmarks.evidence.inputs import prepare_all
 from benchmarks.evidence.item import Item, Trials
@@ -17,6 +17,7 @@ from benchmarks.removal import trials as trials_of_removal
 from benchmarks.states import kills, races, sequences
 
 _SCHEMA = "migrations/versions/*.py"
+_SOAKED = 500  # procedures
 _DEVICES = tuple(f"tests/devices/{name}.toml" for name in ("guide", "flat-panel", "tcp", "room"))
 # What `coaxial serve`, its guard and its image worker are started with; nobody imports them.
 _SERVICE = ("service.cli.main", "service.cli.serve", "robot.guard.__main__", "service.vision_jobs")
@@ -145,6 +146,17 @@ ITEMS = (
         kills.kills,
         at_once=50,
         modules=(kills.__name__, *_SERVICE, "simulator.controller.__main__"),
+        files=(_SCHEMA, *_DEVICES),
+        waits=True,
+    ),
+    Item(
+        "soak",
+        "whole procedures one behind the other in one process, from the opened case to the closed one and its report",
+        f"no more descriptors, memory grows by less than {soak.MOST_KB:g} kB a procedure (95 %), the ledger verifies",
+        _always(_SOAKED),
+        soak.procedures,
+        at_once=_SOAKED,  # all in one process, unless the run is interrupted
+        modules=(soak.__name__, *_SERVICE, "simulator.controller.__main__"),
         files=(_SCHEMA, *_DEVICES),
         waits=True,
     ),

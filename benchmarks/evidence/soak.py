@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from scipy.stats import linregress, t
 
-from benchmarks.evidence.item import Item, Trial
+from benchmarks.evidence.item import Trial
 from benchmarks.evidence.kept_images import KeptImages
 from benchmarks.evidence.served_room import serve_room
 from coaxial_client import Case
@@ -21,26 +21,13 @@ from tests.system.conftest import CASE, prepare
 from tests.system.service_process import PIN
 from tests.system.walk import Held, Walk
 
-_PROCEDURES = 500
 # Of a run, in which what is made once and kept is made: connections of pools, caches, the image worker's memory.
 _SETTLING = 0.2
 _SPARE_DESCRIPTORS = 8  # connections of two pools and of a client may be open or not just then
-_MOST_KB = 20.0  # that a procedure may cost for ever: 10 MB in 500, which is more than a year of one room
+MOST_KB = 20.0  # that a procedure may cost for ever: 10 MB in 500, which is more than a year of one room
 _BLOCKS = 10  # neighbouring procedures are no independent measurements of a slope
 _TRIES = 5  # a crowded machine loses the feedback or the hold, and the case is held
 _WAY = ("carm_positioned", "registered", "target_chosen", "moved", "verified", "inserting", "sleeve_inserted")
-
-
-def item() -> Item:
-    """All in one process, unless the run is interrupted."""
-    return Item(
-        "soak",
-        "whole procedures one behind the other in one process, from the opened case to the closed one and its report",
-        f"no more descriptors, memory grows by less than {_MOST_KB:g} kB a procedure (95 %), the ledger verifies",
-        lambda _folder: _PROCEDURES,
-        procedures,
-        at_once=_PROCEDURES,
-    )
 
 
 def procedures(folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
@@ -53,7 +40,7 @@ def procedures(folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
             held = room.procedure()
             used.append(room.used())
             last = number == numbers[-1]
-            said = (_leaking(used) or _growing(used) or room.unverified()) if last else ""
+            said = (leaking(used) or growing(used) or room.unverified()) if last else ""
             kind = f"{len(used)} in one process, {told(used)}" if last else f"held and begun anew {held} times"
             descriptors, memory_mb = used[-1]
             measured = {"descriptors": descriptors, "memory_mb": memory_mb}
@@ -111,32 +98,36 @@ class SoakedRoom:
 
 def told(used: Sequence[tuple[int, float]]) -> str:
     """What came of it, in words."""
-    lowest, highest = _slope_kb(used)
-    return f"{used[-1][0]} descriptors, memory {lowest:+.1f} to {highest:+.1f} kB a procedure (95 %)"
+    slope_kb = _slope_kb(used)
+    grown = f"{slope_kb[0]:+.1f} to {slope_kb[1]:+.1f} kB a procedure (95 %)" if slope_kb else "not judged, too few"
+    return f"{used[-1][0]} descriptors, memory {grown}"
 
 
-def _leaking(used: Sequence[tuple[int, float]]) -> str:
+def leaking(used: Sequence[tuple[int, float]]) -> str:
     """Descriptors that were not closed."""
     (first, _), (last, _) = _settled(used)[0], used[-1]
     return f"{last} descriptors, {first} once all was settled" if last > first + _SPARE_DESCRIPTORS else ""
 
 
-def _growing(used: Sequence[tuple[int, float]]) -> str:
+def growing(used: Sequence[tuple[int, float]]) -> str:
     """Memory that may grow by more than is allowed."""
-    highest = _slope_kb(used)[1]
-    return f"memory may grow by {highest:.1f} kB a procedure" if not highest < _MOST_KB else ""
+    slope_kb = _slope_kb(used)
+    return f"memory may grow by {slope_kb[1]:.1f} kB a procedure" if slope_kb and slope_kb[1] >= MOST_KB else ""
 
 
 def _settled(used: Sequence[tuple[int, float]]) -> Sequence[tuple[int, float]]:
     return used[int(_SETTLING * len(used)) :]
 
 
-def _slope_kb(used: Sequence[tuple[int, float]]) -> tuple[float, float]:
-    """The 95 % confidence interval of the growth a procedure, kB; of the means of blocks, for neighbours depend."""
+def _slope_kb(used: Sequence[tuple[int, float]]) -> tuple[float, float] | None:
+    """The 95 % confidence interval of the growth a procedure, kB, None of too few.
+
+    Of the means of blocks, for neighbours depend on one another.
+    """
     settled = np.array([memory_mb for _, memory_mb in _settled(used)]) * 1e3
     size = len(settled) // _BLOCKS
     if size == 0:
-        return -np.inf, np.inf
+        return None
     means = settled[: size * _BLOCKS].reshape(_BLOCKS, size).mean(axis=1)
     line = linregress(np.arange(_BLOCKS) * size, means)
     half = t.ppf(0.975, _BLOCKS - 2) * line.stderr
