@@ -27,6 +27,7 @@ _SPARE_DESCRIPTORS = 8  # connections of two pools and of a client may be open o
 MOST_KB = 20.0  # that a procedure may cost for ever: 10 MB in 500, which is more than a year of one room
 _BLOCKS = 10  # neighbouring procedures are no independent measurements of a slope
 _TRIES = 5  # a crowded machine loses the feedback or the hold, and the case is held
+_LONGEST_S = 60.0  # of a motion of a millimetre
 _WAY = ("carm_positioned", "registered", "target_chosen", "moved", "verified", "inserting", "sleeve_inserted")
 
 
@@ -41,10 +42,22 @@ def procedures(folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
             used.append(room.used())
             last = number == numbers[-1]
             said = (leaking(used) or growing(used) or room.unverified()) if last else ""
-            kind = f"{len(used)} in one process, {told(used)}" if last else f"held and begun anew {held} times"
+            tries = f"begun anew after {', '.join(held)}" if held else "held nowhere"
+            kind = f"{len(used)} in one process, {told(used)}" if last else tries
             descriptors, memory_mb = used[-1]
             measured = {"descriptors": descriptors, "memory_mb": memory_mb}
             yield {"number": number, "kind": kind, "bad": bool(said), "said": said} | measured
+
+
+class PatientWalk(Walk):
+    """A case whose motion does not arrive is held, whatever ended it: the machine may be a crowded one."""
+
+    def moved(self, kind: str = "targeting", **goal: object) -> None:
+        """Plan, approve and hold until it is over."""
+        with self.case.hold(self.case.approve(self.case.plan(kind, **goal), PIN)) as hold:
+            cause = hold.wait(_LONGEST_S).cause
+        if cause != "arrived":
+            raise Held(cause)
 
 
 class SoakedRoom:
@@ -56,25 +69,27 @@ class SoakedRoom:
         self._report = folder / "report.pdf"
         self._start: dict[str, list[float]] | None = None  # the arm's pose before the first motion
 
-    def procedure(self) -> int:
-        """One case to its report; how many were held before it and aborted."""
-        for held in range(_TRIES):
+    def procedure(self) -> list[str]:
+        """One case to its report; why those before it were held, and aborted."""
+        held: list[str] = []
+        while len(held) < _TRIES:
             self._controller.release()
             with self._service.sign_in() as client:
                 case = prepare(client.open_case(CASE))
                 try:
                     self._go(case)
-                except Held:
+                except Held as why:
+                    held.append(str(why))
                     case.command("case-aborted", reason="the machine is too busy")
                 else:
                     case.report(self._report)
                     return held
                 finally:
                     client.sign_out()
-        raise RuntimeError(f"the machine is too busy: {_TRIES} cases were held one after the other")
+        raise RuntimeError(f"the machine is too busy, cases were held one after the other: {', '.join(held)}")
 
     def _go(self, case: Case) -> None:
-        walk = Walk(case, self._images)
+        walk = PatientWalk(case, self._images)
         walk.source_from_guide = self._images.source_from_start
         self._start = self._start or _pose(case)
         for step in _WAY:
