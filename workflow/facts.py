@@ -253,6 +253,7 @@ class FaultKind(StrEnum):
     FORCE_RISE = "force_rise"  # something pressed against the guide
     INSTALLATION_CHANGED = "installation_changed"  # TCP or payload, at the pendant, amid a motion
     MOTION_FAULT = "motion_fault"  # commanded, and not done as commanded
+    PROGRAM_STARTED = "program_started"  # on the controller, by somebody else, while a sleeve was in
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Watches the arm's pose while a sleeve is in (H29): beyond the limits an alarm, once per insertion."""
+"""Watches the arm while a sleeve is in (H29): an alarm, once, where it drifts; a stop where a program could move it."""
 
 import asyncio
 import math
@@ -9,8 +9,9 @@ from service.conductor.conductor import Conductor
 from service.conductor.taking import Prepared
 from service.errors import ServiceError
 from service.motion.displacement import Displacement
-from workflow.facts import Movement
-from workflow.states import INSERTION
+from workflow.case import CaseState
+from workflow.facts import Faulted, FaultKind, Movement
+from workflow.states import INSERTION, State
 from workflow.triggers import Trigger
 
 _log = structlog.get_logger(__name__)
@@ -23,11 +24,35 @@ async def watch_insertions(conductor: Conductor) -> None:
     while True:
         await asyncio.sleep(_LOOK_EVERY_S)
         live = conductor.live
-        if live is None or live.state not in INSERTION or live.insertion is None or live.insertion.id == alarmed:
+        if live is None or live.insertion is None or not drift_decides(live):
             continue
+        if live.state in INSERTION and _program_runs(conductor):
+            await _stop_program(conductor, live.case_id)
         drift = conductor.bridge.watch.drift()
-        if drift is not None and _is_beyond(conductor, drift) and await _alarm(conductor, live.case_id, drift):
+        alarm = drift is not None and live.insertion.id != alarmed and _is_beyond(conductor, drift)
+        if alarm and drift is not None and await _alarm(conductor, live.case_id, drift):
             alarmed = live.insertion.id
+
+
+def drift_decides(case: CaseState) -> bool:
+    """Whether a push bends the arm under a sleeve: the drift from the verified pose says what it means.
+
+    A stop while the surgeon drills does not end that, as long as the guide counts as verified.
+    """
+    stopped = case.state is State.SAFE_HOLD and case.insertion is not None and case.verification is not None
+    return case.state in INSERTION or stopped
+
+
+def _program_runs(conductor: Conductor) -> bool:
+    """Whether somebody started one on the controller, with which the lock of an insertion is none any more."""
+    reading = conductor.bridge.watch.reading()
+    return reading is not None and reading.arm is not None and reading.arm.program_running
+
+
+async def _stop_program(conductor: Conductor, case_id: str) -> None:
+    _log.error("program_during_insertion", case_id=case_id)
+    conductor.bridge.stop("a program runs while a sleeve is in")
+    await _record(conductor, case_id, Trigger.FAULT, Prepared(Faulted(FaultKind.PROGRAM_STARTED)))
 
 
 def _is_beyond(conductor: Conductor, drift: Displacement) -> bool:
@@ -40,9 +65,13 @@ async def _alarm(conductor: Conductor, case_id: str, drift: Displacement) -> boo
     facts = Movement(observed=True, what="the guide drifted while a sleeve was in")
     prepared = Prepared(facts, data=data)
     _log.error("insertion_alarm", case_id=case_id, **data)
+    return await _record(conductor, case_id, Trigger.ARM_DISTURBED, prepared)
+
+
+async def _record(conductor: Conductor, case_id: str, trigger: Trigger, prepared: Prepared) -> bool:
     try:
-        await asyncio.to_thread(conductor.observe, case_id, Trigger.ARM_DISTURBED, lambda _: prepared)
+        await asyncio.to_thread(conductor.observe, case_id, trigger, lambda _: prepared)
     except ServiceError as error:
-        _log.error("observation_not_recorded", trigger=Trigger.ARM_DISTURBED, code=error.code)
+        _log.error("observation_not_recorded", trigger=trigger, code=error.code)
         return False
     return True

@@ -27,11 +27,11 @@ from service.conductor.conductor import Conductor
 from service.conductor.taking import Prepared, Taken
 from service.errors import ErrorCode, ServiceError, answer_for
 from service.motion.endings import Ending, Endings
+from service.motion.insertion_watch import drift_decides
 from service.motion.outcomes import fault_of, outcome_of
 from service.motion.trajectories import ending, motion_artefact
 from workflow.facts import Facts, Movement, Stopped
 from workflow.facts import MotionEnded as MotionOver
-from workflow.states import INSERTION
 from workflow.triggers import Trigger
 
 _log = structlog.get_logger(__name__)
@@ -134,7 +134,7 @@ class MotionObserver:
     async def _disturbed(self, event: Disturbed) -> None:
         """A displaced arm; while a sleeve is in, pushing bends it a little, and the drift, if known, decides (H29)."""
         live = self._conductor.live
-        if live is not None and live.state in INSERTION and self._conductor.bridge.watch.drift() is not None:
+        if live is not None and drift_decides(live) and self._conductor.bridge.watch.drift() is not None:
             _log.warning("arm_displaced_during_insertion", offset_mm=event.offset_mm)
             return
         offset_mm, angle_deg = event.offset_mm, math.degrees(event.angle_rad)

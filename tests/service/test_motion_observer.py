@@ -27,7 +27,7 @@ class Record:
 
     def __init__(self, folder: Path, drift: Displacement | None = None, state: State = State.MOVING) -> None:
         self.journal_folder = folder
-        self.live = SimpleNamespace(state=state)
+        self.live = SimpleNamespace(state=state, insertion="sleeve", verification="passed")
         self.bridge = SimpleNamespace(watch=SimpleNamespace(drift=lambda: drift))
         self.told: list[tuple[Trigger, Any]] = []
         self.breaks_on: Trigger | None = None
@@ -86,12 +86,13 @@ def test_a_motion_refused_because_the_arm_moves_did_not_end_at_rest(hear, tmp_pa
 
 
 @pytest.mark.hazard("H29")
-def test_a_push_while_a_sleeve_is_in_is_told_where_no_drift_is_watched(hear, tmp_path) -> None:
+@pytest.mark.parametrize("state", [State.SLEEVE_INSERTED, State.SAFE_HOLD])
+def test_a_push_while_a_sleeve_is_in_is_told_where_no_drift_is_watched(hear, tmp_path, state) -> None:
     """After a restart nobody knows where the arm stood when it was verified."""
     pushed = Disturbed(0.0, 2.0, 0.0)
-    watched = Record(tmp_path, Displacement(0.1, 0.0), State.SLEEVE_INSERTED)
+    watched = Record(tmp_path, Displacement(0.1, 0.0), state)
     assert [trigger for trigger, _ in hear(watched, pushed)] == []
-    unknown = Record(tmp_path, None, State.SLEEVE_INSERTED)
+    unknown = Record(tmp_path, None, state)
     assert [trigger for trigger, _ in hear(unknown, pushed)] == [Trigger.ARM_DISTURBED]
 
 

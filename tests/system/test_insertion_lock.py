@@ -1,10 +1,13 @@
 """While the sleeve goes in nothing moves the arm, its pose is watched, and no stop of it is in the surgeon's way."""
 
+import socket
+
 import numpy as np
 import pytest
 
 from coaxial_client import Refused
 from simulator.controller import Fault
+from simulator.controller.addresses import SCRIPT_PORT
 from tests.system.service_process import PIN
 
 _LOCKED = {"insertion_running", "instrument_in_guide"}
@@ -48,6 +51,12 @@ def test_inserting_locks_the_arm_watches_it_and_takes_every_fact(walk, controlle
     permit = next(event for event in reversed(case.record()) if event["trigger"] == "move_approved")
     _nothing_moves(case, controller, permit["data"]["made"]["permit"])
 
+    with socket.create_connection((controller.address, SCRIPT_PORT)) as pendant:
+        pendant.sendall(b"def another():\n  movej([0, 0, 0, 0, 0, 0])\nend\n")
+        assert case.wait_for("safe_hold")["held_for"] == "program_started"
+    until(lambda: not case.status()["arm"]["program_running"])
+    assert case.command("acknowledged", guide="instrument")["state"] == "inserting"
+
     controller.inject(Fault.PROTECTIVE_STOP)  # the drill slipped
     assert case.wait_for("safe_hold")["held_for"] == "protective_stop"
     told = case.command("sleeve-in")
@@ -56,11 +65,10 @@ def test_inserting_locks_the_arm_watches_it_and_takes_every_fact(walk, controlle
     assert case.status()["insertion"]["status"] == "done"
     controller.release()
     until(lambda: case.status()["arm"]["safety"] == "normal")
-    assert case.command("acknowledged", guide="instrument")["state"] == "sleeve_inserted"
-
     controller.push(np.array([0.2, 0.0, 0.0]))
     until(lambda: not controller.state().moving and case.status()["arm"]["at_rest"])
-    assert not _alarms(case)  # pushing bends the arm a little, and that is no alarm
+    assert case.command("acknowledged", guide="instrument")["state"] == "sleeve_inserted"
+    assert not _alarms(case)  # pushing bends the arm a little, and that is no alarm, in a hold neither
     assert case.status()["chain"]["verification"] is not None
     controller.push(np.array([0.2, 0.0, 0.0]))
     until(lambda: _alarms(case), 2.0)
