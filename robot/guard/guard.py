@@ -195,7 +195,7 @@ class Guard:
             return EndCause.FEEDBACK_LOST
         if self._heartbeats.is_live(course.move.permit_id, now_s):
             return None
-        return EndCause.HEARTBEAT_LOST if self._heartbeats.held else EndCause.RELEASED
+        return EndCause.RELEASED if self._heartbeats.is_let_go(course.move.permit_id) else EndCause.HEARTBEAT_LOST
 
     def _sever(self, course: Course) -> None:
         """Stop by the dashboard, and leave the rest to the next guard."""

@@ -69,6 +69,10 @@ class HeartbeatMonitor:
         age_s = self.age_s(now_s)
         return permit_id == self._permit_id and self.held and age_s is not None and age_s <= SILENCE_S
 
+    def is_let_go(self, permit_id: str) -> bool:
+        """Whether the hand under this permit opened: a hold that another permit's took the place of is lost instead."""
+        return permit_id == self._permit_id and not self.held
+
     def _follow(self, permit_id: str) -> None:
         """Turn to a new permit; the old one's late heartbeats are never heard again."""
         if self._permit_id is not None:

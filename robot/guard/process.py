@@ -23,6 +23,7 @@ from robot.guard.precedence import take_precedence
 from robot.ur5 import UR5
 
 _TURN_S = 0.003  # longest pause between two looks at the arm, whose cycle is 8 ms (CB3) or 2 ms
+_MOST_A_TURN = 20  # commands; a hand sends one in eight turns
 _SWITCH_S = 0.0005  # the interpreter's threads take turns quickly, so that a stop does not wait for a status
 _AT_REST = (Phase.IDLE, Phase.HELD)
 
@@ -111,10 +112,13 @@ def _turn_until_over(guard: Guard, inbox: _Inbox, outbox: Outbox, arm: Arm) -> N
 
 
 def _handle(guard: Guard, inbox: _Inbox) -> bool:
-    """Handle what has arrived, after waiting a turn for it; True if the parent is gone."""
+    """Handle what has arrived, after waiting a turn for it; True if the parent is gone.
+
+    However much arrives, the arm is looked at in between: a stop has gone out from another thread.
+    """
     gone = False
     deadline_s = time.monotonic() + _TURN_S
-    while True:
+    for _ in range(_MOST_A_TURN):
         try:
             taken = inbox.get(timeout=max(deadline_s - time.monotonic(), 0.0))
         except Empty:
@@ -124,3 +128,4 @@ def _handle(guard: Guard, inbox: _Inbox) -> bool:
             gone = True
         else:
             guard.handle(taken)
+    return gone

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from robot.frames import Transform, distance_between
 from robot.guard.messages import Heartbeat, Status
-from service.auth.dependencies import require
+from service.auth.dependencies import any_session, current_session, require
 from service.auth.lease import lease_of
 from service.auth.permissions import Permission
 from service.auth.session import Session
@@ -130,12 +130,18 @@ async def _start(held: _Hold) -> Ending | None:
             return Ending("not_started", live.state if live else "", 0, None, None, None)
         await asyncio.sleep(_LOOK_EVERY_S)
     try:
+        await _sign_in_again(held)
         await asyncio.to_thread(start_move, held.conductor, held.caller, held.permit_id)
     except ServiceError as error:
         live = held.conductor.live
         problem = problem_of(error).model_dump(mode="json")
         return Ending("refused", live.state if live else "", 0, None, None, problem)
     return None
+
+
+async def _sign_in_again(held: _Hold) -> None:
+    """ServiceError where the session was locked or ended since the socket was opened (H27)."""
+    await current_session(await asyncio.to_thread(any_session, held.socket, held.conductor.parts, None))
 
 
 def _is_live(held: _Hold) -> bool:

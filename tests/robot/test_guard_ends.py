@@ -11,6 +11,7 @@ from robot.guard.messages import (
     EndCause,
     Fault,
     FaultKind,
+    Heartbeat,
     MotionEnded,
     PendantReleased,
     Phase,
@@ -42,6 +43,14 @@ def test_released_button_ends_the_motion_and_leaves_the_guard_idle(room: Room, m
     room.beat(2, held=False)
     assert ended(room, held=False) is EndCause.RELEASED
     assert room.guard.phase is Phase.IDLE
+
+
+@pytest.mark.hazard("H16")
+def test_hand_under_another_permit_takes_the_hold_away_and_is_no_release(room: Room, move: BeginMove) -> None:
+    begin(room, move)
+    room.guard.handle(Heartbeat("permit-0", 1, room.challenge(), held=False))
+    assert ended(room) is EndCause.HEARTBEAT_LOST
+    assert room.guard.phase is Phase.HELD
 
 
 @pytest.mark.hazard("H20")

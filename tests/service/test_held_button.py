@@ -1,11 +1,14 @@
 """Whose hand may hold: heartbeats reach the guard only from who has control (H15)."""
 
+import asyncio
 from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from service.auth.dependencies import COOKIE
+from service.auth.session import SessionStatus
 from service.conductor.caller import Caller
 from service.errors import ErrorCode, ServiceError
 from service.motion import hold
@@ -48,3 +51,26 @@ def test_a_hand_without_control_is_refused_before_its_first_heartbeat(goal_of, s
 def test_another_permit_is_refused(goal_of) -> None:
     with pytest.raises(ServiceError):
         goal_of("holder", 2, "foreign")
+
+
+@pytest.mark.hazard("H27")
+@pytest.mark.parametrize(
+    ("status", "code"),
+    [
+        (SessionStatus.LOCKED, ErrorCode.SESSION_LOCKED),
+        (SessionStatus.EXPIRED, ErrorCode.SESSION_EXPIRED),
+        (None, ErrorCode.NOT_SIGNED_IN),
+    ],
+)
+def test_a_session_that_ended_since_the_button_was_drawn_starts_nothing(monkeypatch, status, code) -> None:
+    started: list[str] = []
+    monkeypatch.setattr(hold, "_is_live", lambda _: True)
+    monkeypatch.setattr(hold, "start_move", lambda *_: started.append("a motion"))
+    found = None if status is None else SimpleNamespace(status=status)
+    parts = SimpleNamespace(sessions=SimpleNamespace(find=lambda _token: found))
+    conductor = SimpleNamespace(parts=parts, live=None)
+    socket = SimpleNamespace(headers={}, cookies={COOKIE: "token"})
+    caller = Caller(SimpleNamespace(id="holder"), "case", None, None, 2)
+    ending = asyncio.run(hold._start(hold._Hold(socket, conductor, caller, "p", "goal")))
+    assert (ending.cause, ending.problem["code"]) == ("refused", code)
+    assert started == []
