@@ -59,45 +59,41 @@ def key(config: ConfigOption = None, data_folder: DataFolderOption = None) -> No
         typer.echo(verifier.pem, nl=False)
 
 
-@audit.command("list")
-def list_entries(
-    case: Word = None,
-    actor: Word = None,
-    action: Word = None,
-    interlock: Word = None,
-    hazard: Word = None,
-    since: Since = None,
-    until: Until = None,
-    after: After = 0,
-    limit: Annotated[int, typer.Option(help="At most so many; 0: all.", min=0)] = 200,
-    form: Annotated[FormatOption, typer.Option("--format")] = FormatOption.CSV,
-    config: ConfigOption = None,
-    data_folder: DataFolderOption = None,
-) -> None:
-    """Print entries, oldest first: CSV for reading, JSON Lines for every entry whole. This is an entry itself."""
-    words = (case, actor, action, interlock, hazard)
-    with site_settings(config, data_folder) as settings:
-        _print(settings, "audit list", words, (since, until), after, limit or None, form)
+def _add_printing(name: str, usual_limit: int, usual_form: FormatOption, purpose: str) -> None:
+    """A command that prints entries, so many and in this form unless it is told otherwise."""
+
+    @audit.command(name, help=purpose)
+    def print_entries(
+        case: Word = None,
+        actor: Word = None,
+        action: Word = None,
+        interlock: Word = None,
+        hazard: Word = None,
+        since: Since = None,
+        until: Until = None,
+        after: After = 0,
+        limit: Annotated[int, typer.Option(help="At most so many; 0: all.", min=0)] = usual_limit,
+        form: Annotated[FormatOption, typer.Option("--format")] = usual_form,
+        config: ConfigOption = None,
+        data_folder: DataFolderOption = None,
+    ) -> None:
+        words = (case, actor, action, interlock, hazard)
+        with site_settings(config, data_folder) as settings:
+            _print(settings, f"audit {name}", words, (since, until), after, limit or None, form)
 
 
-@audit.command("export")
-def export_entries(
-    case: Word = None,
-    actor: Word = None,
-    action: Word = None,
-    interlock: Word = None,
-    hazard: Word = None,
-    since: Since = None,
-    until: Until = None,
-    after: After = 0,
-    form: Annotated[FormatOption, typer.Option("--format")] = FormatOption.JSONL,
-    config: ConfigOption = None,
-    data_folder: DataFolderOption = None,
-) -> None:
-    """Print every entry, a line each: whole, or as DICOM audit messages (PS3.15 A.5) or FHIR AuditEvents."""
-    words = (case, actor, action, interlock, hazard)
-    with site_settings(config, data_folder) as settings:
-        _print(settings, "audit export", words, (since, until), after, None, form)
+_add_printing(
+    "list",
+    200,
+    FormatOption.CSV,
+    "Print entries, oldest first: CSV for reading, JSON Lines for every entry whole. This is an entry itself.",
+)
+_add_printing(
+    "export",
+    0,
+    FormatOption.JSONL,
+    "Print every entry, a line each: whole, or as DICOM audit messages (PS3.15 A.5) or FHIR AuditEvents.",
+)
 
 
 def _print(

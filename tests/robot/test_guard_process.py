@@ -97,6 +97,15 @@ def test_a_turn_takes_all_that_has_arrived_and_says_whether_the_parent_is_gone()
     assert guard.told == [BEAT, Acknowledge()]
 
 
+@pytest.mark.hazard("H32")
+def test_commands_without_end_do_not_keep_a_turn_from_its_end() -> None:
+    guard, inbox = Guard(), SimpleQueue()
+    for _ in range(1000):
+        inbox.put(BEAT)
+    process._handle(guard, inbox)
+    assert len(guard.told) < 100  # the arm is looked at before the rest
+
+
 def test_a_guard_whose_parent_is_gone_stops_once_and_goes_on_until_the_arm_is_at_rest() -> None:
     guard, inbox, ends = Guard(turns=3), SimpleQueue(), Ends()
     inbox.put(process._Parent.GONE)

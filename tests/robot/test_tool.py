@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from robot.tool import read_tool
+from tests.robot.refused_file import refused_in_one_line
 
 FILE = """
 name = "guide"
@@ -79,9 +80,7 @@ def test_tolerances_and_expiry_may_be_left_out() -> None:
     ],
 )
 def test_missing_or_implausible_value_is_named_in_one_line(before: str, after: str, named: str) -> None:
-    with pytest.raises(ValueError, match=named) as caught:
-        read_tool(FILE.replace(before, after).encode())
-    assert "\n" not in str(caught.value)
+    refused_in_one_line(read_tool, FILE.replace(before, after), named)
 
 
 @pytest.mark.hazard("H31")

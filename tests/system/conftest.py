@@ -19,21 +19,14 @@ from tests.system.service_process import PASSWORD, PIN, Service
 from tests.system.walk import Walk, lift, until
 
 _DEVICES = Path(__file__).parents[1] / "devices"
-_TCP = b"""
-name = "guide-on-flange"
-version = "1"
-[tcp]
-translation_mm = [0.0, 0.0, 150.0]
-rotation_vector_deg = [0.0, 0.0, 0.0]
-[payload]
-mass_kg = 1.0
-centre_mm = [0.0, 0.0, 50.0]
-[envelope]
-radius_mm = 34.0
-below_mm = 62.0
-above_mm = 2.0
-holder_radius_mm = 25.0
-"""
+# The guide straight ahead of the flange, where the controller's installation has it.
+_TCP = (
+    (_DEVICES / "tcp.toml")
+    .read_bytes()
+    .replace(b"[20.0, -5.0, 150.0]", b"[0.0, 0.0, 150.0]")
+    .replace(b"mass_kg = 0.8", b"mass_kg = 1.0")
+    .replace(b"[1.0, 0.0, 60.0]", b"[0.0, 0.0, 50.0]")
+)
 DEVICES = {
     "guide": (_DEVICES / "guide.toml").read_bytes(),
     "carm": (_DEVICES / "flat-panel.toml").read_bytes(),
