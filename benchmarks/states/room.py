@@ -15,6 +15,7 @@ from functools import partial
 from http.client import HTTPConnection
 from itertools import count
 from pathlib import Path
+from select import select
 from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
@@ -72,12 +73,20 @@ class Line:
         """A request below /api; a body of bytes goes as it is, any other as JSON."""
         content = body if isinstance(body, bytes) or body is None else json.dumps(body).encode()
         told = {"Authorization": f"Bearer {token}", "Content-Type": "application/json"}
+        if self._is_hung_up:
+            self.close()  # the next request calls again
         self._connection.request(method, f"/api{path}", content, told | _header_names(headers))
         response = self._connection.getresponse()
         text = response.read()
         if response.status >= 500:
             self.close()  # the service hangs up after a fault of its own; the next request calls again
         return Answer(response.status, json.loads(text) if text else None)
+
+    @property
+    def _is_hung_up(self) -> bool:
+        """Whether the service ended a connection that was silent for long, as on a crowded machine."""
+        socket = self._connection.sock
+        return socket is not None and bool(select([socket], [], [], 0.0)[0])
 
     def close(self) -> None:
         """Hang up."""
