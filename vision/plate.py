@@ -10,6 +10,7 @@ from scipy.spatial import KDTree
 from vision.absorption import Absorption
 from vision.curvature import Curvature
 from vision.devices import Plate
+from vision.lattice_parts import mended
 from vision.refusal import Refusal, RefusalCode
 from vision.spots import fit_spots
 
@@ -69,6 +70,8 @@ def find_lattice(absorption: Absorption, plate: Plate, pixel_size_mm: float) -> 
     if share < LEAST_FIELD_SHARE:
         message = "share of the field in which the correction plate is seen"
         return Refusal(RefusalCode.PLATE_TOO_SPARSE, message, share, LEAST_FIELD_SHARE)
+    right, places = mended(candidates[members], places, steps)
+    members, places = members[right], places[right]
     spots = fit_spots(absorption.values, candidates[members], radius_px)
     return Lattice(spots.raw[spots.settled], places[spots.settled].astype(np.float64))
 
