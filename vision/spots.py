@@ -85,14 +85,16 @@ def _step(patches: Array, centres: Array, sigma: Array, offsets: NDArray[np.intp
     """
     along_u, along_v = (_moments(offsets - centres[:, axis, None], sigma) for axis in (0, 1))
     powers_u, powers_v = _POWERS.T
-    gram = (along_u @ along_u.swapaxes(1, 2))[:, powers_u[:, None], powers_u]
-    gram *= (along_v @ along_v.swapaxes(1, 2))[:, powers_v[:, None], powers_v]
+    gram = _at(along_u @ along_u.swapaxes(1, 2), powers_u[:, None], powers_u)
+    gram *= _at(along_v @ along_v.swapaxes(1, 2), powers_v[:, None], powers_v)
     plane = _orthonormal(offsets)
-    plane_u, plane_v = (along_u @ plane)[:, powers_u], (along_v @ plane)[:, powers_v]
+    plane_u = np.tensordot(along_u, plane, 1).take(powers_u, axis=1)
+    plane_v = np.tensordot(along_v, plane, 1).take(powers_v, axis=1)
     shared: Array = np.stack([plane_u[:, :, i] * plane_v[:, :, j] for i, j in ((0, 0), (1, 0), (0, 1))], axis=2)
     gram -= shared @ shared.swapaxes(1, 2)
-    wanted = (along_v @ patches @ along_u.swapaxes(1, 2))[:, powers_v, powers_u]
-    gram, wanted = _TERMS @ gram @ _TERMS.T, wanted @ _TERMS.T
+    wanted = _at(along_v @ patches @ along_u.swapaxes(1, 2), powers_v, powers_u)
+    gram = (gram.reshape(len(gram), -1) @ _PAIRS_OF_TERMS.T).reshape(-1, len(_TERMS), len(_TERMS))
+    wanted = wanted @ _TERMS.T
     # a hair of ridge: a patch without contrast has no defined centre, and must not stop the others
     gram += (1e-9 * np.trace(gram, axis1=1, axis2=2) + 1e-30)[:, None, None] * np.eye(len(_TERMS))
     solved = np.linalg.solve(gram, wanted[:, :, None])[:, :, 0]
@@ -107,6 +109,12 @@ def _step(patches: Array, centres: Array, sigma: Array, offsets: NDArray[np.intp
 # spot itself, its derivatives by u, by v and by its width.
 _POWERS = np.array([(0, 0), (1, 0), (0, 1), (2, 0), (0, 2)])
 _TERMS = np.array([(1.0, 0, 0, 0, 0), (0, 1, 0, 0, 0), (0, 0, 1, 0, 0), (0, 0, 0, 1, 1)])
+_PAIRS_OF_TERMS = np.kron(_TERMS, _TERMS)
+
+
+def _at(products: Array, row: NDArray[np.intp], column: NDArray[np.intp]) -> Array:
+    """Of sums of products (n, 3, 3) those of given powers, (n, ...); so sooner than by NumPy's own indexing."""
+    return products.reshape(len(products), -1).take(row * products.shape[2] + column, axis=1)
 
 
 def _moments(x: Array, sigma: Array) -> Array:
