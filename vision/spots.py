@@ -114,7 +114,7 @@ _PAIRS_OF_TERMS = np.kron(_TERMS, _TERMS)
 
 def _at(products: Array, row: NDArray[np.intp], column: NDArray[np.intp]) -> Array:
     """Of sums of products (n, 3, 3) those of given powers, (n, ...); so sooner than by NumPy's own indexing."""
-    return products.reshape(len(products), -1).take(row * products.shape[2] + column, axis=1)
+    return np.asarray(products.reshape(len(products), -1).take(row * products.shape[2] + column, axis=1))
 
 
 def _moments(x: Array, sigma: Array) -> Array:
