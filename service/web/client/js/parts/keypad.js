@@ -1,6 +1,6 @@
 /** Questions that a hand in gloves answers: a PIN, a number, a reason. None of them ever covers the stop button. */
 
-import { html, signal, useEffect, useRef, useState } from "../../vendor/preact.js";
+import { html, signal, useLayoutEffect, useRef, useState } from "../../vendor/preact.js";
 import { t } from "../words.js";
 
 /** The question asked now. @type {import("../../vendor/preact.js").Signal<any>} */
@@ -68,8 +68,9 @@ function NumberPad(/** @type {any} */ { answer, before }) {
 export function Pad({ secret, longest, extra, hint = "", answer }) {
   const [text, setText] = useState("");
   const box = useRef(/** @type {any} */ (null));
-  // Once: what is typed elsewhere on the screen draws this anew, and must not lose the focus to it.
-  useEffect(() => box.current.focus(), []);
+  // Once: what is typed elsewhere on the screen draws this anew, and must not lose the focus to it. With the layout:
+  // what is typed before the next frame belongs here too.
+  useLayoutEffect(() => box.current.focus(), []);
   const press = (/** @type {string} */ key) => {
     if (key === "−") setText(text.startsWith("-") ? text.slice(1) : `-${text}`);
     else if (text.length < longest && !(key === "." && text.includes("."))) setText(text + key);
