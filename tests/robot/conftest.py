@@ -98,10 +98,22 @@ def move(reading: ArmState) -> BeginMove:
     )
 
 
-@pytest.fixture
-def controller() -> Iterator[ControllerProcess]:
+@pytest.fixture(scope="module")
+def started_controller() -> Iterator[ControllerProcess]:
     with ControllerProcess(ControllerSettings(address=free_loopback_address())) as process:
         yield process
+
+
+@pytest.fixture
+def controller(started_controller: ControllerProcess) -> ControllerProcess:
+    """A controller as it was set up, whatever the tests before did to it."""
+    settings = started_controller.settings
+    started_controller.release()
+    started_controller.set_speed_scaling(1.0)
+    started_controller.set_tcp(settings.flange_from_tcp)
+    started_controller.set_payload(settings.payload)
+    started_controller.teleport(np.array(settings.joints_rad))
+    return started_controller
 
 
 @pytest.fixture
