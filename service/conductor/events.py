@@ -1,6 +1,7 @@
 """The case's events as they happen (server-sent events), from any point on by Last-Event-ID."""
 
 import asyncio
+import random
 import time
 from collections.abc import AsyncIterator
 from contextlib import aclosing
@@ -49,15 +50,20 @@ async def follow_events(
 
 
 async def _told(parts: Parts, case_id: str, after: int, token: str) -> AsyncIterator[bytes]:
-    check_at_s = time.monotonic() + _CHECK_S
+    check_at_s = _next_check_s()
     async with aclosing(parts.feed.follow(case_id, after, _KEEP_ALIVE_S)) as followed:
         async for events in followed:
             # a sign-out here is known without the database, and at once
             if time.monotonic() >= check_at_s or parts.sessions.remembered(token) is None:
                 if not await asyncio.to_thread(_may_read, parts, token):
                     return
-                check_at_s = time.monotonic() + _CHECK_S
+                check_at_s = _next_check_s()
             yield b"".join(event.text for event in events) or KEEP_ALIVE
+
+
+def _next_check_s() -> float:
+    """Not when others look: fifty screens that came together would all ask the database at the same event."""
+    return time.monotonic() + random.uniform(0.5, 1.0) * _CHECK_S
 
 
 def _may_read(parts: Parts, token: str) -> bool:
