@@ -7,7 +7,7 @@ import { watchFingers } from "./gestures.js";
 import { keyDown } from "./keys.js";
 import { fullWindow, rewindowed } from "./raster.js";
 import { useDeveloper } from "./rasters.js";
-import { paint, resize, spread } from "./stage.js";
+import { paint, resize, spread, useFrame } from "./stage.js";
 import { Parts, SHOWN_FIRST, toggled, Tools } from "./tools.js";
 import { fitted, middleOf, moved } from "./view.js";
 
@@ -87,17 +87,14 @@ function Half({ name, scenes, view, setView, setWindows, tool, shown, target }) 
   useEffect(() => {
     if (stage && !view) setView(fitted({ width, height }, stage));
   }, [stage, view]);
-  useEffect(() => {
-    if (!view || !stage) return undefined;
+  useFrame(() => {
+    if (!view || !stage) return;
     const drawOver = (/** @type {any} */ overlay) => {
       for (const { found, share } of scenes) if (found) overlay.draw(found, shown, share);
       if (target && shown.has("targets")) overlay.picked(target.raw_px);
     };
-    const frame = requestAnimationFrame(() => {
-      resize(canvas.current, stage, devicePixelRatio);
-      paint(canvas.current, stage, { developer, window, view, drawOver, blend: over });
-    });
-    return () => cancelAnimationFrame(frame);
+    resize(canvas.current, stage, devicePixelRatio);
+    paint(canvas.current, stage, { developer, window, view, drawOver, blend: over });
   });
   return html`<figure class="stage-image" ref=${box} data-tool=${tool} role="application" aria-label=${name} tabindex="0" onKeyDown=${(/** @type {KeyboardEvent} */ event) => keyDown(event, middleOf(stage), hands.current)}>
     <canvas ref=${canvas}></canvas><figcaption>${name}</figcaption>

@@ -1,5 +1,6 @@
 /** One image on a canvas: window, view and overlay in, a picture out, at most once a frame. */
 
+import { useEffect, useLayoutEffect, useRef } from "../../vendor/preact.js";
 import { Overlay } from "./drawing.js";
 
 /** @typedef {import("./view.js").View} View */
@@ -42,6 +43,25 @@ export function spread(element, canvas, then) {
 /** The whole device pixel next to an edge. @param {number} edge CSS pixels */
 function onDevice(edge) {
   return Math.round(edge * devicePixelRatio) / devicePixelRatio;
+}
+
+/**
+ * Draw in the next frame, the newest of what was asked for by then. A frame that is asked for is never put off: fingers
+ * that move all the time would put it off for ever.
+ * @param {() => void} draw
+ * @param {any[]} [on] what it shows; every time where it is left out
+ */
+export function useFrame(draw, on) {
+  const newest = useRef(draw);
+  const frame = useRef(0);
+  newest.current = draw;
+  useLayoutEffect(() => {
+    frame.current ||= requestAnimationFrame(() => {
+      frame.current = 0;
+      newest.current();
+    });
+  }, on);
+  useEffect(() => () => cancelAnimationFrame(frame.current), []);
 }
 
 /** @param {HTMLCanvasElement} canvas @param {Size} size CSS pixels @param {number} ratio device pixels for one of them */

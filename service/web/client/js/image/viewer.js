@@ -7,7 +7,7 @@ import { keyDown } from "./keys.js";
 import { Loupe } from "./loupe.js";
 import { fullWindow, rewindowed } from "./raster.js";
 import { useDeveloper } from "./rasters.js";
-import { paint, resize, spread } from "./stage.js";
+import { paint, resize, spread, useFrame } from "./stage.js";
 import { Parts, SHOWN_FIRST, toggled, Tools } from "./tools.js";
 import { fitted, middleOf, moved, toImage, toScreen } from "./view.js";
 
@@ -87,14 +87,11 @@ function Loaded(/** @type {any} */ { imageId, developer, found, picked, echoed, 
   };
   useEffect(() => watchFingers(box.current, hands), []);
 
-  useEffect(() => {
+  useFrame(() => {
     if (!view || !stage) return;
-    const frame = requestAnimationFrame(() => {
-      resize(canvas.current, stage, devicePixelRatio);
-      paint(canvas.current, stage, { developer, window, view, drawOver });
-      canvas.current.dataset.painted = String(performance.now());
-    });
-    return () => cancelAnimationFrame(frame);
+    resize(canvas.current, stage, devicePixelRatio);
+    paint(canvas.current, stage, { developer, window, view, drawOver });
+    canvas.current.dataset.painted = String(performance.now());
   }, [view, stage, window, found, shown, picked, echoed]);
 
   const drawOver = (/** @type {any} */ overlay) => {
