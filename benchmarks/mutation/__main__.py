@@ -7,6 +7,7 @@ survived when a test does.
 
 import argparse
 import sys
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -39,11 +40,16 @@ def _try_out(package: Package, folder: Path) -> list[Mutant]:
     mutants = [mutant for module in package.modules for mutant in mutants_of(module)]
     path = folder / f"{package.name}.jsonl"
     kept = _kept(package, path)
-    left = [mutant for mutant in mutants if mutant.key not in kept]
+    left = sorted((mutant for mutant in mutants if mutant.key not in kept), key=_drawn)
     print(f"{package.name}: {len(mutants)} mutants, {len(left)} to try", flush=True)
     if left:
         _try_left(package, left, folder, path)
     return mutants
+
+
+def _drawn(mutant: Mutant) -> str:
+    """The order in which mutants are tried: any part of them is a fair sample of all."""
+    return sha256(mutant.key.encode()).hexdigest()
 
 
 def _try_left(package: Package, left: list[Mutant], folder: Path, path: Path) -> None:

@@ -93,7 +93,8 @@ class _Change:
 
 def _changes(place: _Place) -> Iterator[_Change]:
     for new in replacements(place.node):
-        yield _Change(place, new, place.node, _text(new))
+        if ast.dump(new) != ast.dump(place.node):
+            yield _Change(place, new, place.node, _text(new))
     if not place.in_function and place.field not in ("slice", "type"):
         for entry, rest in entries_left_out(place.node):
             yield _Change(place, rest, entry, "left out")

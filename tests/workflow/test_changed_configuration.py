@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tests.workflow.proof import failed
+from workflow.machine import allowed
 from workflow.plans import PLAN_STATES, PlanKind
 from workflow.refusals import Refusal
 from workflow.snapshot import Reading
@@ -109,3 +110,12 @@ def test_a_retreat_that_was_planned_lets_nothing_else_past(new_walk):
     walk.do(Trigger.PLAN_REQUESTED, kind=PlanKind.RETREAT)
     _changed(walk)
     assert "configuration" in failed(walk.refused(Trigger.TARGET_CONFIRMED))
+
+
+def test_the_status_says_that_only_a_plan_may_still_be_asked_for(new_walk):
+    """It may be a retreat's; what brings the case further may not."""
+    walk = new_walk().to(State.TARGET_CHOSEN)
+    _changed(walk)
+    offered = allowed(walk.case, walk.snapshot, walk.limits, walk.now_s)
+    assert offered[Trigger.PLAN_REQUESTED].allowed
+    assert [verdict.code for verdict in offered[Trigger.MOVE_APPROVED].reasons] == ["configuration"]

@@ -159,3 +159,57 @@ def test_joints_that_cannot_be_compared_are_no_number(walk):
     walk.spoil(joints_rad=Reading(None, 0.01))
     notes = {verdict.code: verdict.message for verdict in walk.refused(Trigger.MOVE_STARTED).failed}
     assert notes["permit_joints"].endswith("unknown")
+
+
+@pytest.mark.parametrize(
+    ("state", "trigger", "spoil", "code"),
+    [
+        (State.TARGET_CHOSEN, Trigger.PLAN_REQUESTED, Spoil(facts={"joint_margin_rad": None}), "joint_margin"),
+        (State.TARGET_CHOSEN, Trigger.MOVE_STARTED, Spoil(readings={"at_rest": Reading(None, 0.01)}), "at_rest"),
+    ],
+)
+def test_what_is_unknown_is_said_to_be(walk, state, trigger, spoil, code):
+    refusal = spoilt(walk.to(state), Proof(state, trigger, [], []), spoil)
+    messages = {verdict.code: verdict.message for verdict in refusal.failed}
+    assert messages[code].endswith("; unknown")
+
+
+@pytest.mark.parametrize("name", ["configuration", "configuration_opened"])
+def test_a_configuration_that_was_not_read_again_says_how_old_it_is(walk, name):
+    walk.to(State.TARGET_CHOSEN).spoil(**{name: Reading("configuration", 2.1)})
+    (verdict,) = walk.refused(Trigger.PLAN_REQUESTED).failed
+    assert verdict.message.endswith("the reading is 2.1 s old, at most 2 s count")
+
+
+def test_a_statement_is_held_against_its_truth(walk):
+    verdicts = walk.to(State.MOVED).do(Trigger.VERIFICATION_PASSED, agree=False).verdicts
+    (agree,) = (verdict for verdict in verdicts if verdict.code == "evaluations_agree")
+    assert (agree.measured, agree.limit) == (False, True)
+
+
+def test_the_joint_that_is_out_of_range_is_the_one_that_is_told(walk):
+    walk.to(State.TARGET_CHOSEN)
+    (verdict,) = walk.refused(Trigger.PLAN_REQUESTED, start_joints_rad=(0.1, -57.3, 0.0, 0.0, 0.0, 0.0)).failed
+    assert (verdict.code, verdict.measured) == ("plan_plausible", 57.3)
+
+
+def test_the_insertion_that_is_in_the_way_is_told(walk):
+    walk.to(State.TARGET_CHOSEN)
+    answer = spoilt(walk, PROOFS["no_insertion"], PROOFS["no_insertion"].refusing[0])
+    told = {verdict.code: verdict.measured for verdict in answer.verdicts}
+    assert told["no_insertion"] == "open"
+    usual = walk.__class__().to(State.TARGET_CHOSEN).do(Trigger.MOVE_APPROVED)
+    assert {verdict.code: verdict.measured for verdict in usual.verdicts}["no_insertion"] == "none"
+
+
+def test_whose_an_image_is_and_whether_it_is_new_is_judged_alone(walk):
+    walk.to(State.CASE_OPEN)
+    facts = walk.facts(Trigger.IMAGE_ARRIVED, study_matches=False, pixels_unseen=None)
+    verdicts = interlocks.provenance(Inquiry(walk.case, Trigger.IMAGE_ARRIVED, facts, walk.snapshot, LIMITS, 0.0))
+    assert {verdict.code: verdict.passed for verdict in verdicts} == {
+        "patient_matches": True,
+        "study_matches": False,
+        "image_unseen": True,
+        "pixels_unseen": False,
+        "image_newer": True,
+    }

@@ -120,3 +120,9 @@ def test_what_did_not_come_is_not_made_up(walk):
     asked_only = Inquiry(walk.case, Trigger.EXPOSURE_REQUESTED, None, walk.snapshot, LIMITS, walk.now_s)
     with pytest.raises(ValueError, match="exposure_requested"):
         changes.open_window(walk.case, asked_only)
+
+
+@pytest.mark.parametrize("state", [State.INSERTING, State.OFF_TARGET, State.MOVED, State.VERIFIED])
+def test_a_hold_ends_where_it_began(walk, state):
+    walk.to(state).do(Trigger.HOLD_REQUESTED)
+    assert walk.do(Trigger.ACKNOWLEDGED).after.state is state

@@ -256,7 +256,7 @@ def test_the_two_tables_have_the_same_kinds_and_44_rows():
 
 @pytest.mark.parametrize("missing", range(len(TABLE)))
 def test_a_table_without_one_of_its_entries_is_refused(missing):
-    with pytest.raises(IncompleteTableError, match="no entry"):
+    with pytest.raises(IncompleteTableError, match=f"no entry for {TABLE[missing].trigger} in"):
         index(TABLE[:missing] + TABLE[missing + 1 :])
 
 
