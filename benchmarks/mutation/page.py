@@ -15,10 +15,11 @@ constant subscripts stay as they are.
 Tried are the tests of the package that reach the changed line and keep no real time; what only the simulated room, the
 fault matrix or the whole service would find counts as missed. For the rules the search of every reachable case and the
 comparison of the table with its page are left out too. What Python itself refuses to load, and what means the same as
-before, counts neither way.
+before, counts neither way. Changes are tried in an order drawn from their names; one that no test noticed is tried
+again once a test changes, and counts as missed until then. `at least` counts what was not tried as missed.
 
-| what | changes | refused by Python | mean the same | found | missed | score | asked |
-|---|---:|---:|---:|---:|---:|---:|---:|
+| what | tried | not tried | refused by Python | mean the same | found | missed | of those tried | at least | asked |
+|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|
 """
 _ASKED = 0.9
 
@@ -32,17 +33,12 @@ def page(rows: Sequence[tuple[Package, Score]]) -> str:
 
 
 def _row(package: Package, score: Score) -> str:
-    counts = (score.tried, score.stillborn, score.equivalent, score.found, len(score.missed))
-    left = f", {score.left:,} not tried" if score.left else ""
-    cells = (
-        f"{package.what}{left}",
-        *(f"{count:,}" for count in counts),
-        f"{100.0 * score.share:.1f} %",
-        f"{_ASKED:.0%}",
-    )
+    counts = (score.tried, score.left, score.stillborn, score.equivalent, score.found, len(score.missed))
+    shares = (f"{100.0 * share:.1f} %" for share in (score.share_of_tried, score.share))
+    cells = (package.what, *(f"{count:,}" for count in counts), *shares, f"{100.0 * _ASKED:.0f} %")
     return f"| {' | '.join(cells)} |"
 
 
 def holds(score: Score) -> bool:
-    """All tried, and as many found as asked for."""
-    return not score.left and score.share >= _ASKED
+    """As many are found as asked for."""
+    return score.share >= _ASKED

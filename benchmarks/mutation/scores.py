@@ -25,9 +25,14 @@ class Score:
     missed: tuple[Mutant, ...]
 
     @property
-    def share(self) -> float:
-        """Of the mutants that mean something else, those that a test finds."""
+    def share_of_tried(self) -> float:
+        """Of the mutants that were tried and mean something else, those that a test finds."""
         return self.found / max(1, self.found + len(self.missed))
+
+    @property
+    def share(self) -> float:
+        """The same of all; what was not tried counts as missed."""
+        return self.found / max(1, self.found + len(self.missed) + self.left)
 
 
 def reasons() -> dict[str, str]:

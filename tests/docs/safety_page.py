@@ -125,7 +125,7 @@ def _interlock_table() -> str:
         "refusal that names the interlock and its hazard in each refusing case, none in each passing one, and that one",
         "refusing case is taken once this interlock alone is removed. `make interlock-removal` removes each in turn",
         "from all tests of the rules and names the test that fails; `make check-removal` does so with each check of",
-        "the guard.\n",
+        "the guard, and `make mutation` changes every other part of both ([figures](mutation.md)).\n",
         "| interlock | hazard | refuses when | refusing cases | passing cases |",
         "|---|---|---|---|---|",
     ]
