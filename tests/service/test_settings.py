@@ -40,6 +40,14 @@ def test_a_wrong_settings_file_is_refused_and_named(tmp_path, text):
     assert refusal.value.code == ErrorCode.SETTINGS_REFUSED
 
 
+@pytest.mark.parametrize(("name", "text"), [("COAXIAL_LIMITS__ANGLE_ERROR_DEG", "90"), ("COAXIAL_LIMITS", "{")])
+def test_a_wrong_environment_is_refused(monkeypatch, name, text):
+    monkeypatch.setenv(name, text)
+    with pytest.raises(ServiceError) as refusal:
+        load_settings(None)
+    assert refusal.value.code == ErrorCode.SETTINGS_REFUSED
+
+
 def test_a_missing_settings_file_is_refused(tmp_path):
     with pytest.raises(ServiceError, match="does not exist"):
         load_settings(tmp_path / "none.toml")
