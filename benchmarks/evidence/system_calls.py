@@ -89,8 +89,11 @@ def with_fault(folder: Path, fault: str, met: Mapping[str, str]) -> Ran:
     trace, said, errors = (folder.parent / f"{folder.name}.{end}" for end in ("faults", "said", "errors"))
     victim = _VICTIMS.Process(target=whole_case.record_once_traced, args=(folder, said, errors))
     victim.start()
-    _run([strace(), "-f", *of_them, *inject, "-o", str(trace), "-p", str(victim.pid)], check=False)
-    victim.join(_TIMEOUT_S)
+    try:
+        _run([strace(), "-f", *of_them, *inject, "-o", str(trace), "-p", str(victim.pid)], check=False)
+        victim.join(_TIMEOUT_S)
+    finally:
+        victim.kill()  # one that nobody traces waits for ever
     assert victim.exitcode is not None, f"still recording after {_TIMEOUT_S} s"
     came = any(mark in trace.read_text() for mark in ("(INJECTED)", "killed by SIGKILL"))
     return Ran(victim.exitcode, said.read_text(), errors.read_text(), came)
