@@ -168,8 +168,6 @@ def at_the_case(procedure: QuietRoom) -> Callable[..., Tablet]:
     """A tablet of the surgeon's at the recorded case."""
 
     def go(**differing: object) -> Tablet:
-        tablet = procedure.tablet_of(Role.SURGEON, **differing)
-        tablet.page.goto(f"{tablet.url}/#case/{procedure.case_id}")
-        return tablet
+        return procedure.tablet_of(Role.SURGEON, f"#case/{procedure.case_id}", **differing)
 
     return go

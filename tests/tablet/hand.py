@@ -22,11 +22,12 @@ class Hand:
         self.page = page
         self.glass: CDPSession = page.context.new_cdp_session(page)
 
-    def tap(self, what: str | Locator, exact: bool = False) -> None:
+    def tap(self, what: str | Locator, exact: bool = False, times: int = 1) -> None:
         """Tap a button by the words on it, or anything by its locator."""
         button = (self.page.get_by_role("button", name=what, exact=exact) if isinstance(what, str) else what).first
         button.tap(trial=True)  # in sight, at rest, and the topmost thing there
-        self.tap_at(self.middle_of(button))
+        for _ in range(times):
+            self.tap_at(self.middle_of(button))
 
     def tap_at(self, point: Point) -> None:
         """Tap anywhere."""

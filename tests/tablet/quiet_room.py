@@ -36,10 +36,10 @@ class QuietRoom:
     case_id: str
     open_at: Callable[..., Tablet]
 
-    def tablet_of(self, role: Role, **differing: object) -> Tablet:
-        """A tablet that this role has signed in to."""
+    def tablet_of(self, role: Role, place: str = "", **differing: object) -> Tablet:
+        """A tablet at a place, where this role is signed in."""
         tablet = self.open_at(self.running.url, **differing)
-        tablet.sign_in(role.value, PIN)
+        tablet.go_in(role.value, PIN, place)
         return tablet
 
     def open_case(self) -> str:

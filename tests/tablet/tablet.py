@@ -40,6 +40,13 @@ class Tablet:
         self.hand.enter(pin)
         self.page.get_by_role("heading", name="Cases, ").wait_for()
 
+    def go_in(self, name: str, pin: str, place: str = "") -> None:
+        """Signed in already, as after a reload: at a place of the page."""
+        asked = self.page.request.post(f"{self.url}/api/session", data={"name": name, "pin": pin})
+        assert asked.ok, asked.text()
+        self.page.goto(f"{self.url}/{place}")
+        self.page.locator("#app main, #app h1").first.wait_for()
+
     def is_at(self, state: str, within_s: float = 60.0) -> None:
         """Wait until the screen of this state is shown."""
         self.page.locator(f"main[data-state={state}]").wait_for(timeout=within_s * 1000)

@@ -36,8 +36,7 @@ def at(room: QuietRoom) -> Callable[[str], Tablet]:
     """The surgeon's tablet at some place."""
 
     def go(place: str) -> Tablet:
-        tablet = room.tablet_of(Role.SURGEON)
-        tablet.page.goto(f"{tablet.url}/{place.format(case=room.case_id)}")
+        tablet = room.tablet_of(Role.SURGEON, place.format(case=room.case_id))
         tablet.page.locator("#app").get_by_text(_PLACES[place]).first.wait_for()
         tablet.page.wait_for_function("() => document.getAnimations().length === 0")
         return tablet

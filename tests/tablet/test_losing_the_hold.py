@@ -22,7 +22,7 @@ _STANDS_S = 0.5
 _TRIES = 5
 _PATIENCE_S = 20.0
 _STUCK_MS = 1500
-_READ = "() => import('/js/case/live.js').then(live => live.readStatus(live.status.value.case_id))"
+_READ = "() => import('/js/case/live.js').then(live => live.readStatus())"
 _PLAN = "goal => import('/js/move/motion.js').then(move => move.plan('approach', {base_from_goal: goal}))"
 _APPROVE = "pin => import('/js/move/motion.js').then(move => move.motion.value && move.approve(move.motion.value, pin))"
 

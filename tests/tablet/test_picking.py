@@ -47,8 +47,7 @@ def pixels(at_the_image: Callable[[float], Tablet], procedure: QuietRoom) -> np.
 def _change_view(tablet: Tablet, random: np.random.Generator) -> None:
     """Zoomed, shifted and turned, by fingers and buttons."""
     tablet.hand.tap("Whole")
-    for _ in range(int(random.integers(0, 12))):
-        tablet.hand.tap("Turn the view right")
+    tablet.hand.tap("Turn the view right", times=int(random.integers(0, 12)))
     middle = tablet.hand.middle_of(tablet.page.locator(".stage-image"))
     shift = tuple(float(value) for value in random.uniform(-80.0, 80.0, 2))
     tablet.hand.pinch(middle, float(random.uniform(0.7, 4.0)), shift=(shift[0], shift[1]))

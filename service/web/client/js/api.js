@@ -71,9 +71,9 @@ async function problemOf(response) {
   }
 }
 
-/** @param {string} path @returns {Promise<any>} */
-export async function get(path) {
-  return (await answer(path)).json();
+/** @param {string} path @param {number} [withinMs] @returns {Promise<any>} */
+export async function get(path, withinMs = ANSWER_WITHIN_MS) {
+  return (await answer(path, { signal: AbortSignal.timeout(withinMs) })).json();
 }
 
 /**

@@ -85,6 +85,7 @@ export function againstLimit(measured, limit, unit = "") {
   const shown = unit.replace(/^rad/, "°");
   const factor = shown === unit ? 1 : DEG_PER_RAD;
   const words = (/** @type {any} */ value) => (typeof value === "number" ? `${plain(value * factor)} ${shown}`.trim() : plain(value));
+  if (typeof limit === "boolean") return t("refused.found", { found: plain(measured), needed: plain(limit) });
   return t("refused.measured", { measured: words(measured), limit: words(limit) });
 }
 

@@ -57,12 +57,12 @@ async function deliver(trigger, body, headers) {
   const { case_id: caseId } = status.value;
   try {
     const told = await again(`/cases/${caseId}/${trigger.replaceAll("_", "-")}`, body, headers);
-    await readStatus(caseId);
+    await readStatus();
     return told;
   } catch (refused) {
     noteRefusal(refused);
     refusal.value = { trigger, ...(/** @type {Refused} */ (refused).problem) };
-    await readStatus(caseId);
+    await readStatus();
     return null;
   }
 }

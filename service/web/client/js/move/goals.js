@@ -3,6 +3,7 @@
 import { html, useState } from "../../vendor/preact.js";
 import { Refusing } from "../parts/refusing.js";
 import { askNumber } from "../parts/keypad.js";
+import { status } from "../case/live.js";
 import { allowance, wantsControl } from "../case/allowing.js";
 import { TakeControl } from "../parts/control.js";
 import { number, t } from "../words.js";
@@ -31,19 +32,23 @@ export function Motions({ kinds }) {
 }
 
 function Approach() {
-  const [pose, setPose] = useState([0, 0, 0, 0, 0, 0]);
+  const [pose, setPose] = useState(/** @type {(number|null)[]} */ (POSE.map(() => null)));
   const enter = async (/** @type {number} */ place) => {
     const [name, unit] = POSE[place];
     const value = await askNumber(t("motion.coordinate", { name, unit }), pose[place]);
     if (value !== null) setPose(pose.map((known, index) => (index === place ? value : known)));
   };
+  const [x, y, z] = (status.value.arm.base_from_tcp ?? []).map((/** @type {number[]} */ row) => number(row[3], 1));
+  const missing = POSE.filter((_, place) => pose[place] === null).map(([name]) => name);
   const goal = { translation_mm: pose.slice(0, 3), rotation_vector_deg: pose.slice(3) };
   return html`
-    <p class="note">${t("motion.approach_words")}</p>
+    <p class="note">${t("motion.approach_words")}${x && ` ${t("motion.stands_at", { x, y, z })}`}</p>
     <div class="pose">
-      ${POSE.map(([name, unit], place) => html`<button class="field" onClick=${() => enter(place)} data-field=${name}><span>${name}</span><b>${number(pose[place], 2)}</b><small>${unit}</small></button>`)}
+      ${POSE.map(([name, unit], place) => html`<button class="field" onClick=${() => enter(place)} data-field=${name}><span>${name}, ${unit}</span><b>${number(pose[place], 2)}</b></button>`)}
     </div>
-    <div class="actions"><button class="button is-next" onClick=${() => plan("approach", { base_from_goal: goal })}>${t("motion.plan")}</button></div>
+    ${missing.length > 0
+      ? html`<p class="note" role="status">${t("motion.missing", { names: missing.join(", ") })}</p>`
+      : html`<div class="actions"><button class="button is-next" onClick=${() => plan("approach", { base_from_goal: goal })}>${t("motion.plan")}</button></div>`}
   `;
 }
 

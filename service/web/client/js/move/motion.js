@@ -2,7 +2,7 @@
 
 import { signal } from "../../vendor/preact.js";
 import { send } from "../case/commands.js";
-import { readStatus, status } from "../case/live.js";
+import { readStatus } from "../case/live.js";
 
 /**
  * @typedef {object} Motion
@@ -43,7 +43,7 @@ export async function approve(planned, pin) {
 /** The button's motion is over, or never began. @param {any} ended @param {string} reason */
 export function endMotion(ended, reason) {
   if (motion.value) motion.value = { ...motion.value, permitId: null, ended: ended ?? { cause: "link_lost" }, reason };
-  readStatus(status.value.case_id);
+  readStatus();
 }
 
 /** Put the plan away. */

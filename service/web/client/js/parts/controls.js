@@ -3,6 +3,7 @@
 import { html } from "../../vendor/preact.js";
 import { allowance, wantsControl } from "../case/allowing.js";
 import { send, sending } from "../case/commands.js";
+import { isBehind } from "../case/live.js";
 import { isConnected } from "../room/room.js";
 import { t } from "../words.js";
 import { Refusing } from "./refusing.js";
@@ -16,7 +17,8 @@ export function Action({ trigger, body, onPress, icon, children }) {
   const asked = allowance(trigger);
   if (!asked.permitted || !asked.allowed) return html`<${Refusing} trigger=${trigger} />`;
   if (wantsControl(trigger)) return html`<${TakeControl} />`;
-  return html`<${Primary} ...${{ icon, busy: sending.value === trigger }} onPress=${onPress ?? (() => send(trigger, body))}>${children}<//>`;
+  // What is pressed stands on what is shown: not before the newest event's is.
+  return html`<${Primary} ...${{ icon, busy: sending.value === trigger || isBehind.value }} onPress=${onPress ?? (() => send(trigger, body))}>${children}<//>`;
 }
 
 /** The one large button of a screen. @param {any} props */

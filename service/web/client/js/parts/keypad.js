@@ -13,7 +13,7 @@ export function askPin(title) {
   return ask({ kind: "pin", title });
 }
 
-/** @param {string} title @param {number} before @returns {Promise<number|null>} */
+/** @param {string} title @param {number|null} before @returns {Promise<number|null>} */
 export async function askNumber(title, before) {
   const text = await ask({ kind: "number", title, before });
   return text === null ? null : Number(text.replace(",", "."));
@@ -85,7 +85,7 @@ export function Pad({ secret, longest, extra, hint = "", answer }) {
   };
   const isWhole = secret ? text.length >= 4 : text !== "" && text !== "-" && Number.isFinite(Number(text));
   return html`<div class="pad" tabindex="0" onKeyDown=${keyDown} ref=${box}>
-    <output class="pad-text">${secret ? "●".repeat(text.length) || " " : text || html`<small>${hint}</small>`}</output>
+    <output class="pad-text">${(secret ? "●".repeat(text.length) : text) || html`<small>${hint}</small>`}</output>
     <div class="pad-keys">
       ${["1", "2", "3", "4", "5", "6", "7", "8", "9"].map((key) => html`<button class="key" onClick=${() => press(key)}>${key}</button>`)}
       <button class="key" onClick=${() => setText(text.slice(0, -1))} aria-label=${t("erase")}><i class="icon icon-erase"></i></button>

@@ -24,7 +24,7 @@ async function press(path, wordOf) {
     outcome.value = "failed";
     noteRefusal(refused);
   }
-  if (status.value) readStatus(status.value.case_id);
+  if (status.value) readStatus();
   clearTimeout(forgetting);
   forgetting = setTimeout(() => (outcome.value = ""), SHOWN_MS);
 }

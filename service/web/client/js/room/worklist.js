@@ -3,7 +3,7 @@
 import { html, useState } from "../../vendor/preact.js";
 import { get, Refused } from "../api.js";
 import { Told } from "../parts/told.js";
-import { t } from "../words.js";
+import { day, t } from "../words.js";
 import { noteRefusal } from "./room.js";
 
 /** @param {{choose: (patient: string, study: string) => void}} props */
@@ -36,6 +36,6 @@ export function Worklist({ choose }) {
 function Scheduled({ one, isChosen, take }) {
   return html`<button class="card case-line" aria-pressed=${isChosen} onClick=${() => take(one)}>
     <b>${one.patient_name.replaceAll("^", " ").trim()}</b><span>${one.patient_id}</span>
-    <small>${[one.birth_date, one.sex, one.scheduled_at].filter(Boolean).join(" · ")}</small><small>${one.description}</small>
+    <small>${[one.birth_date, one.sex, one.scheduled_at && day(one.scheduled_at)].filter(Boolean).join(" · ")}</small><small>${one.description}</small>
   </button>`;
 }

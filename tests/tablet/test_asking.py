@@ -1,0 +1,93 @@
+"""What the page asks of the service: one reading for many events, and no motion of numbers that nobody entered."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from playwright.sync_api import APIResponse, Page, Route
+
+from tests.tablet.tablet import Tablet
+from workflow.states import State
+
+_STATUS = "**/cases/*/status"
+_EVENTS = 20
+_LOOK_EVERY_MS = 20
+_HAS_HEARD = """state => import('/js/case/live.js').then(({ events }) => events.value.at(-1)?.state === state)"""
+_POSE = {"x": 510.0, "y": -20.5, "z": 305.0, "rx": 0.0, "ry": -3.0, "rz": 90.0}
+
+
+@dataclass
+class Readings:
+    """Readings of the status that the page has asked for: what the service said at once, answered when let go."""
+
+    page: Page
+    asked: list[tuple[Route, APIResponse]] = field(default_factory=list)
+
+    def take(self, route: Route) -> None:
+        self.asked.append((route, route.fetch()))
+
+    def wait_for(self, count: int) -> None:
+        while len(self.asked) < count:
+            self.page.wait_for_timeout(_LOOK_EVERY_MS)
+
+    def let_go(self) -> None:
+        """The newest of them."""
+        route, answer = self.asked[-1]
+        _answer_as_if_all_were_allowed(route, answer)
+
+
+def _answer_as_if_all_were_allowed(route: Route, answer: APIResponse) -> None:
+    """The quiet room has no arm; what an arm would allow is not what is looked at."""
+    told: dict[str, Any] = answer.json()
+    free = {"allowed": True, "permitted": True, "needs_control": False, "reasons": []}
+    told["allowed"] = {trigger: asked | free for trigger, asked in told["allowed"].items()}
+    route.fulfill(response=answer, json=told)
+
+
+def _allow_everything(tablet: Tablet) -> None:
+    tablet.page.route(_STATUS, lambda route: _answer_as_if_all_were_allowed(route, route.fetch()))
+
+
+def test_many_events_cost_one_reading_and_nothing_is_asked_for_before_it_is_shown(procedure, at_the_case):
+    procedure.put(State.MOVED)
+    tablet = at_the_case()
+    _allow_everything(tablet)
+    primary = tablet.page.locator(".button.is-primary")
+    tablet.page.locator(".button.is-primary:not([disabled])").wait_for()
+    readings = Readings(tablet.page)
+    tablet.page.route(_STATUS, readings.take)
+    readings.wait_for(1)
+    for _ in range(_EVENTS):
+        procedure.put(State.MOVED)
+    procedure.put(State.VERIFIED)
+    tablet.page.wait_for_function(_HAS_HEARD, arg=State.VERIFIED.value)
+    assert primary.is_disabled()
+    assert len(readings.asked) == 1
+    readings.let_go()
+    readings.wait_for(2)
+    tablet.is_at(State.MOVED)
+    assert primary.is_disabled()
+    assert len(readings.asked) == 2
+    readings.let_go()
+    tablet.is_at(State.VERIFIED)
+
+
+def test_an_approach_goes_where_six_entered_numbers_say_and_nowhere_else(procedure, at_the_case):
+    procedure.put(State.CASE_OPEN)
+    tablet = at_the_case()
+    page = tablet.page
+    _allow_everything(tablet)
+    tablet.hand.tap("Move the arm nearer or away")
+    plan = page.get_by_role("button", name="Plan the motion")
+    left = list(_POSE)
+    for name, value in _POSE.items():
+        page.get_by_text(f"Still to be entered: {', '.join(left)}.").wait_for()
+        assert plan.count() == 0
+        page.locator(f"[data-field={name}]").press("Enter")
+        page.locator(".pad").press_sequentially(str(value))
+        page.keyboard.press("Enter")
+        left.remove(name)
+    with page.expect_request("**/plan-requested") as asked:
+        tablet.hand.tap(plan)
+    *translation_mm, rx, ry, rz = _POSE.values()
+    goal = {"translation_mm": translation_mm, "rotation_vector_deg": [rx, ry, rz]}
+    assert asked.value.post_data_json == {"kind": "approach", "base_from_goal": goal}
