@@ -48,7 +48,13 @@ def _violations(page: Page) -> list[tuple[str, str]]:
     return [(one["id"], one["nodes"][0]["html"]) for one in Axe().run(page).response["violations"]]
 
 
-@pytest.mark.parametrize("place", _PLACES)
+# axe looks at them in make test too, with more on them: test_room_screens.py.
+_LOOKED_AT = {"#devices", "#review/{case}"}
+
+
+@pytest.mark.parametrize(
+    "place", [pytest.param(one, marks=[pytest.mark.lengthy] if one in _LOOKED_AT else []) for one in _PLACES]
+)
 def test_axe_finds_nothing_and_a_glove_hits_whatever_is_to_be_touched(at, place):
     page = at(place).page
     assert _violations(page) == []

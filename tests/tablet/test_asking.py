@@ -1,10 +1,13 @@
 """What the page asks of the service: one reading for many events, and no motion of numbers that nobody entered."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+import pytest
 from playwright.sync_api import APIResponse, Page, Route
 
+from tests.tablet.quiet_room import QuietRoom
 from tests.tablet.tablet import Tablet
 from workflow.states import State
 
@@ -43,14 +46,23 @@ def _answer_as_if_all_were_allowed(route: Route, answer: APIResponse) -> None:
     route.fulfill(response=answer, json=told)
 
 
-def _allow_everything(tablet: Tablet) -> None:
-    tablet.page.route(_STATUS, lambda route: _answer_as_if_all_were_allowed(route, route.fetch()))
+@pytest.fixture
+def allowed_at(procedure: QuietRoom, at_the_case: Callable[..., Tablet]) -> Iterator[Callable[[State], Tablet]]:
+    """A tablet at the case in some state, allowed everything; what it still asks at the end is let go."""
+    opened: list[Tablet] = []
+
+    def go(state: State) -> Tablet:
+        procedure.put(state)
+        opened.append(at_the_case())
+        opened[0].page.route(_STATUS, lambda route: _answer_as_if_all_were_allowed(route, route.fetch()))
+        return opened[0]
+
+    yield go
+    opened[0].page.unroute_all(behavior="ignoreErrors")
 
 
-def test_many_events_cost_one_reading_and_nothing_is_asked_for_before_it_is_shown(procedure, at_the_case):
-    procedure.put(State.MOVED)
-    tablet = at_the_case()
-    _allow_everything(tablet)
+def test_many_events_cost_one_reading_and_nothing_is_asked_for_before_it_is_shown(procedure, allowed_at):
+    tablet = allowed_at(State.MOVED)
     primary = tablet.page.locator(".button.is-primary")
     tablet.page.locator(".button.is-primary:not([disabled])").wait_for()
     readings = Readings(tablet.page)
@@ -71,11 +83,9 @@ def test_many_events_cost_one_reading_and_nothing_is_asked_for_before_it_is_show
     tablet.is_at(State.VERIFIED)
 
 
-def test_an_approach_goes_where_six_entered_numbers_say_and_nowhere_else(procedure, at_the_case):
-    procedure.put(State.CASE_OPEN)
-    tablet = at_the_case()
+def test_an_approach_goes_where_six_entered_numbers_say_and_nowhere_else(allowed_at):
+    tablet = allowed_at(State.CASE_OPEN)
     page = tablet.page
-    _allow_everything(tablet)
     tablet.hand.tap("Move the arm nearer or away")
     plan = page.get_by_role("button", name="Plan the motion")
     left = list(_POSE)
