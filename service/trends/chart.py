@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm, theilslopes
+from scipy.special import ndtri
 
 Array = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ def rank_scores(values: Array) -> Array:
     earlier = np.tril(np.ones((len(values), len(values)), dtype=bool))
     below = np.sum(earlier & (values[None, :] < values[:, None]), axis=1)
     equal = np.sum(earlier & (values[None, :] == values[:, None]), axis=1)
-    return np.asarray(norm.ppf((below + equal / 2.0) / counts))
+    return np.asarray(ndtri((below + equal / 2.0) / counts))
 
 
 def drift_chart(values: Array, way: Way, false_signals: float) -> Chart:
@@ -105,6 +105,9 @@ def _signal(values: Array, sums: Array, limit: float) -> Signal | None:
     crossed = np.flatnonzero(sums > limit)
     if not len(crossed):
         return None
+    # Imported here: it costs every start of the service half a second.
+    from scipy.stats import theilslopes
+
     at = int(crossed[0])
     zeros = np.flatnonzero(sums[:at] == 0.0)
     since = int(zeros[-1]) + 1 if len(zeros) else 0
@@ -146,6 +149,6 @@ def _score_steps() -> tuple[tuple[int, ...], ...]:
     """For each case behind the first, how far each of its equally likely ranks moves the sum, in steps of the grid."""
     steps = []
     for count in range(2, WINDOW_CASES + 1):
-        scores = norm.ppf((np.arange(1, count + 1) - 0.5) / count)
+        scores = ndtri((np.arange(1, count + 1) - 0.5) / count)
         steps.append(tuple(int(step) for step in np.rint((scores - _REFERENCE) / _STEP)))
     return tuple(steps)
