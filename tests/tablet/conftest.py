@@ -23,7 +23,7 @@ from tests.tablet.quiet_room import QuietRoom, closed_case
 from tests.tablet.tablet import Tablet
 from workflow.states import State
 
-_CHROMIUM = "/usr/bin/chromium"
+CHROMIUM = "/usr/bin/chromium"
 _SCREEN = {"width": 1280, "height": 800}
 _LOOK_EVERY_S = 0.1
 _FIRST_SCREEN_MS = 90_000.0  # a machine's patience; how soon it is there is measured by make tablet-speed
@@ -62,7 +62,7 @@ def browser() -> Iterator[Browser]:
     with ExitStack() as open_now:
         with _precedence():
             playwright = open_now.enter_context(sync_playwright())
-            chromium = playwright.chromium.launch(executable_path=_CHROMIUM, args=["--no-sandbox"])
+            chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         yield chromium
         chromium.close()
 
@@ -83,8 +83,8 @@ def open_tablet(browser: Browser) -> Iterator[Callable[..., Tablet]]:
     """Tablets at any address; what their pages complain of fails the test."""
     opened: list[Tablet] = []
 
-    def open_at(url: str, **differing: object) -> Tablet:
-        context = browser.new_context(**{"has_touch": True, "viewport": _SCREEN, "locale": "en-GB"} | differing)
+    def open_at(url: str, by: Browser = browser, **differing: object) -> Tablet:
+        context = by.new_context(**{"has_touch": True, "viewport": _SCREEN, "locale": "en-GB"} | differing)
         page = context.new_page()
         page.set_default_navigation_timeout(_FIRST_SCREEN_MS)
         tablet = Tablet(page, Hand(page), url)
