@@ -54,7 +54,8 @@ _WATCH = """() => {
         }
     }).observe(document.body, { subtree: true, attributes: true, attributeFilter: ['data-painted'] });
 }"""
-# One step of a finger each frame; the times of all drawings, milliseconds.
+# One step of a finger between two frames, as the browser tells them: told amid a frame's own drawings, every second
+# step would find its drawing done already. The times of all drawings, milliseconds.
 _DRAG = """async (frames) => {
     const image = document.querySelector('.stage-image');
     const { left, top } = image.getBoundingClientRect();
@@ -66,6 +67,7 @@ _DRAG = """async (frames) => {
     for (let frame = 0; frame < frames; frame += 1) {
         send('pointermove', 100 + 2 * frame);
         await new Promise(requestAnimationFrame);
+        await new Promise((then) => setTimeout(then));
         drawn.add(Number(image.querySelector('canvas').dataset.painted));
     }
     send('pointerup', 100);
