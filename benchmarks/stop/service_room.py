@@ -146,8 +146,12 @@ class ServiceRoom:
 
     def nuisance(self, _: int) -> Trial:
         """A held motion that is to arrive, the tablet behind a network that jitters."""
-        plan = lift(self._case, self._way_mm())
-        with ahead(), self._case.hold(self._case.approve(plan, PIN)) as hold:
+        try:
+            permit = self._case.approve(lift(self._case, self._way_mm()), PIN)
+        except Refused:  # an arm or a guard that was not heard of in time: nothing was held yet
+            self._calm()
+            return Trial(None, False, "refused", counts=False)
+        with ahead(), self._case.hold(permit) as hold:
             try:
                 cause = hold.wait(20.0).cause
             except (TimeoutError, NoAnswer):
