@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from math import isfinite
 
 
 class RefusalCode(StrEnum):
@@ -42,9 +43,16 @@ class RefusalCode(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """A refusal with what was measured and the limit, in the unit that the message names."""
+    """A refusal with what was measured and the limit, in the unit that the message names.
+
+    What is no finite number was not measured: a message to the service could not hold it.
+    """
 
     code: RefusalCode
     message: str
     measured: float | None
     limit: float | None
+
+    def __post_init__(self) -> None:
+        if self.measured is not None and not isfinite(self.measured):
+            object.__setattr__(self, "measured", None)

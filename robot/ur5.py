@@ -6,6 +6,8 @@ It stays out of the library's known traps: control only while a motion is held, 
 
 import socket
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from threading import Thread
 
 import numpy as np
@@ -90,32 +92,31 @@ class UR5:
             raise ArmUnreachableError(f"the controller at {self._address} does not answer")
         self._await_closing()
         self._waits.close()
-        try:
+        with _refused("its control"):
             with self._waits.noted():
                 self._control = RTDEControlInterface(self._address)
             armed = self._control.isProgramRunning() and self._control.setWatchdog(watchdog_hz)
-        except RuntimeError as error:
-            raise ControllerRefusedError(str(error)) from error
         if not armed:
             raise ControllerRefusedError("the control script does not run")
 
     def flange_from_tcp(self) -> Transform:
         """Active TCP of the controller, (4, 4) mm."""
-        try:
+        with _refused("the question for its TCP"):
             return _transform_in_mm(self._owned().getTCPOffset())
-        except (RuntimeError, ValueError) as error:
-            raise ControllerRefusedError(f"the TCP was not told: {error}") from error
 
     def move_linear(self, move: LinearMove) -> None:
         """Start a linear motion and return while it runs; ControllerRefusedError if the controller would not."""
         pose = _pose_in_metres(move.base_from_goal)
         speed_m_s, acceleration_m_s2 = _metres_from_mm(np.array([move.speed_mm_s, move.acceleration_mm_s2]))
-        if not self._owned().moveL(pose, float(speed_m_s), float(acceleration_m_s2), True):
+        with _refused("the motion"):
+            taken = self._owned().moveL(pose, float(speed_m_s), float(acceleration_m_s2), True)
+        if not taken:
             raise ControllerRefusedError("the controller did not take the motion")
 
     def feed_watchdog(self) -> None:
         """Send one packet; without them the controller stops by itself."""
-        self._owned().kickWatchdog()
+        with _refused("a sign of life"):
+            self._owned().kickWatchdog()
 
     def send_stop(self) -> bool:
         """Stop whatever program runs, by the dashboard: one write, from any thread."""
@@ -199,6 +200,15 @@ class UR5:
         receive, self._receive = self._receive, None
         if receive is not None:
             receive.disconnect()
+
+
+@contextmanager
+def _refused(what: str) -> Iterator[None]:
+    """What the library raises, such as for a broken connection, as the protocol of an arm has it."""
+    try:
+        yield
+    except (RuntimeError, ValueError) as error:
+        raise ControllerRefusedError(f"the controller did not take {what}: {error}") from error
 
 
 def _close(control: RTDEControlInterface, ending: Thread) -> None:

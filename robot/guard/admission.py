@@ -3,7 +3,7 @@
 from robot.guard.course import Course
 from robot.guard.force import refuse_force
 from robot.guard.heartbeat import SILENCE_S, HeartbeatMonitor
-from robot.guard.journal import Journal
+from robot.guard.journal import FLUSH_S, Journal
 from robot.guard.messages import BeginMove, Phase
 from robot.guard.observer import Observer
 from robot.guard.preflight import refuse_arm
@@ -11,7 +11,6 @@ from robot.refusal import Refusal, RefusalCode
 
 _HEARD_WITHIN_S = 0.4  # taking control blocks, and heartbeats with it; a hold that is there shows within this after
 _YOUNG_S = 0.1  # a motion that starts on an older echo would end at the next hiccup
-_FLUSH_S = 1.0
 
 
 class Admission:
@@ -71,6 +70,6 @@ class Admission:
     def _refuse_unwritten(self, move: BeginMove) -> Refusal | None:
         """The intent is on the disk before the motion is on the wire (H24)."""
         self._journal.record(move)
-        if self._journal.flush(_FLUSH_S):
+        if self._journal.flush(FLUSH_S):
             return None
         return Refusal(RefusalCode.JOURNAL_UNWRITABLE, "the guard's journal cannot be written", None, None)

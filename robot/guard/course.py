@@ -94,10 +94,11 @@ class Course:
     def settle(self, newest: ArmState | None, sound: bool, rest_s: float) -> MotionEnded | None:
         """The end of the motion once the arm is seen at rest without a program, or after the time that may take."""
         now_s = self._clock()
-        over = sound and newest is not None and rest_s >= _REST_S and not newest.program_running
         waited_s = now_s - self._stopping_since_s
+        at_rest = sound and min(rest_s, waited_s) >= _REST_S  # a rest from before the stop may be one before the motion
+        over = at_rest and newest is not None and not newest.program_running
         if over or waited_s > (_GIVE_UP_S if sound else _BLIND_S):
-            return self._ended(newest, sound and rest_s >= _REST_S, over)
+            return self._ended(newest, at_rest, over)
         if now_s - self._last_stop_s > _STOP_AGAIN_S:
             self._send_stop()
         return None

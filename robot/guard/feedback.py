@@ -8,6 +8,7 @@ from robot.arm import ArmState
 from robot.guard.rest import is_slow
 
 STALE_S = 0.1  # without a good reading
+_LARGEST = 1e100  # of a reading's numbers, so that the square of none overflows
 _FROZEN_S = 0.1  # a pose that stays equal to the last bit while the same reading claims a speed
 
 
@@ -63,4 +64,4 @@ def _is_finite(reading: ArmState) -> bool:
         reading.payload_centre_mm,
         (reading.controller_time_s, reading.tcp_speed_mm_s, reading.tcp_turn_speed_rad_s, reading.payload_kg),
     )
-    return bool(np.isfinite(np.concatenate(numbers)).all())
+    return bool((np.abs(np.concatenate(numbers)) < _LARGEST).all())

@@ -12,7 +12,7 @@ from robot.arm import Arm, ArmState
 from robot.guard.admission import Admission
 from robot.guard.course import Course
 from robot.guard.heartbeat import HeartbeatMonitor
-from robot.guard.journal import Journal
+from robot.guard.journal import FLUSH_S, Journal
 from robot.guard.messages import (
     Acknowledge,
     BeginMove,
@@ -34,7 +34,6 @@ from robot.guard.rest import DisplacementWatch
 from robot.refusal import Refusal, RefusalCode
 
 STATUS_S = 0.025  # 40 a second: a challenge is at most so old when the tablet gets it
-_FLUSH_S = 1.0
 _CALM = (EndCause.ARRIVED, EndCause.MISSED, EndCause.RELEASED)
 
 Taken: TypeAlias = BeginMove | Heartbeat | ReleasePendant | Acknowledge | StopSent
@@ -221,7 +220,7 @@ class Guard:
         if ended.cause not in _CALM or not (ended.at_rest and ended.program_stopped):
             self._idle_phase = Phase.HELD
         self._displacement.account(self._observer.newest)
-        self._journal.flush(_FLUSH_S)
+        self._journal.flush(FLUSH_S)
         self._tell(ended)
         self._arm.give_up_control()
 
@@ -229,8 +228,7 @@ class Guard:
         """Without a motion: keep the link, latch faults, notice a displaced arm."""
         if self._releasing:
             self._release_pendant(now_s)
-        self._observer.keep_connected(now_s)
-        fault = self._observer.fault(self._clock())
+        fault = self._observer.fault(now_s)
         if fault is not None and fault is not self._fault:
             self._idle_phase = Phase.HELD
             self._tell(Fault(fault, now_s, f"the arm reports {fault}"))
@@ -238,6 +236,7 @@ class Guard:
         disturbed = None if reading is None else self._displacement.observe(reading)
         if disturbed is not None:
             self._tell(disturbed)
+        self._observer.keep_connected(now_s)  # last, since it blocks: the parent learns beforehand why it hears nothing
 
     def _release_pendant(self, now_s: float) -> None:
         self._releasing = False

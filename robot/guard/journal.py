@@ -19,6 +19,8 @@ from robot.guard.lines import encode, plain
 from robot.guard.messages import Command, Event
 
 EVENTS_FILE = "guard.jsonl"
+# Before and after a motion, never amid one. The parent hears nothing meanwhile, and after a second it kills the guard.
+FLUSH_S = 0.7
 
 
 @dataclass(frozen=True, slots=True)

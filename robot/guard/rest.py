@@ -59,7 +59,7 @@ class DisplacementWatch:
         return disturbed
 
     def account(self, left: ArmState | None) -> None:
-        """A motion of the guard left the arm here; unknown after one that ended without feedback."""
+        """A motion of the guard left the arm here, as far as it was seen."""
         self._base_from_left = None if left is None else left.base_from_tcp
         self._since_s = None
         self._peak = (0.0, 0.0)

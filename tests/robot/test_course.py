@@ -181,13 +181,14 @@ def test_a_stop_that_could_not_be_written_is_told_when_it_could(
 @pytest.mark.parametrize(
     ("sound", "seen", "rest_s", "program_running", "waited_s", "at_rest", "over"),
     [
-        (True, True, 0.15, False, 0.0, True, True),
-        (True, True, 0.14, False, 0.0, None, None),
-        (True, True, 0.15, True, 0.0, None, None),  # a program could go on
+        (True, True, 0.15, False, 0.15, True, True),
+        (True, True, 0.14, False, 0.15, None, None),
+        (True, True, 9.0, False, 0.14, None, None),  # it rested before, perhaps before it began to move
+        (True, True, 0.15, True, 0.15, None, None),  # a program could go on
         (True, True, 0.0, False, 3.0, None, None),
         (True, True, 0.0, False, 3.001, False, False),
         (True, True, 0.15, True, 3.001, True, False),
-        (True, False, 0.15, False, 0.0, None, None),
+        (True, False, 0.15, False, 0.15, None, None),
         (False, True, 0.15, False, 0.5, None, None),  # blind, though it was seen at rest before
         (False, True, 0.15, False, 0.501, False, False),
         (False, False, 0.0, False, 0.501, False, False),
@@ -226,11 +227,12 @@ def test_a_stop_without_effect_is_sent_again_five_times_a_second(
     assert sent == [0, 0, 1, 0, 0, 1]
 
 
-def test_the_end_is_told_whole(moving: Course, move: BeginMove, reading: ArmState) -> None:
+def test_the_end_is_told_whole(moving: Course, clock: SimpleNamespace, reading: ArmState) -> None:
     moving.stop(EndCause.RELEASED)
+    clock.now_s += 0.2
     ended = moving.settle(reading, sound=True, rest_s=0.2)
     assert isinstance(ended, MotionEnded)
-    assert (ended.permit_id, ended.at_s, ended.arm) == ("permit-1", 64.25, reading)
+    assert (ended.permit_id, ended.at_s, ended.arm) == ("permit-1", 64.45, reading)
     assert (ended.distance_mm, ended.angle_rad) == pytest.approx((10.0, 0.0))
     assert ended.trajectory_file == "trajectory-permit-1.jsonl"
 

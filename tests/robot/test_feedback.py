@@ -22,7 +22,7 @@ def test_advancing_readings_are_good_and_go_stale(at: At) -> None:
 
 @pytest.mark.hazard("H21")
 @pytest.mark.parametrize("field", ["joints_rad", "joint_speeds_rad_s", "base_from_tcp", "payload_centre_mm"])
-@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("value", [np.nan, np.inf, -1e200])  # the last one's square is none
 def test_reading_with_a_number_that_is_none_is_not_kept(at: At, field: str, value: float) -> None:
     watch = FeedbackWatch()
     watch.take(at(0.0))

@@ -74,6 +74,14 @@ def test_refused_tcp_stops_the_script_that_was_needed_to_read_it(room: Room, mov
     assert room.orders == ["control", "stop", "give up"]
 
 
+def test_a_tcp_that_is_no_number_is_refused_and_can_be_told(room: Room, move: BeginMove) -> None:
+    room.flange_from_tcp = lambda: np.full((4, 4), np.nan)
+    begin(room, move)
+    refusal = room.newest(MoveRefused).refusal
+    assert (refusal.code, refusal.measured) == (RefusalCode.TCP_MISMATCH, None)
+    assert "move" not in room.orders
+
+
 def test_connection_that_breaks_before_the_motion_starts_nothing(room: Room, move: BeginMove) -> None:
     def break_off() -> None:
         room.severed = True

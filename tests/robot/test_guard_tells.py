@@ -171,6 +171,19 @@ def test_a_controller_that_falls_silent_is_looked_for_once_a_second_and_heard_an
     assert room.newest(Status).connected is True
 
 
+def test_lost_feedback_is_told_before_anybody_looks_for_the_controller(room: Room) -> None:
+    told_before: list[tuple[bool, int]] = []
+
+    def connect() -> bool:  # which may take seconds, and the parent hears nothing meanwhile
+        told_before.append((room.newest(Status).connected, len(told(room, Fault))))
+        return False
+
+    room.connect, room.read = connect, lambda: None
+    for _ in range(20):
+        room.turn()
+    assert told_before == [(False, 1)]
+
+
 def test_a_reading_that_was_no_number_is_forgotten_with_the_connection(room: Room) -> None:
     good = room.reading
     room.reading = replace(good, tcp_speed_mm_s=np.nan)

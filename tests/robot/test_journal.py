@@ -7,7 +7,9 @@ from threading import Event
 import pytest
 
 from robot.arm import ArmState
-from robot.guard.journal import EVENTS_FILE, Journal, read_lines, trajectory_file
+from robot.guard.client import GuardConfig
+from robot.guard.guard import STATUS_S
+from robot.guard.journal import EVENTS_FILE, FLUSH_S, Journal, read_lines, trajectory_file
 from robot.guard.messages import Acknowledge, Fault, FaultKind
 
 FAULT = Fault(FaultKind.ARM_OFF, 1.0, "off")
@@ -98,6 +100,11 @@ def test_events_are_forced_to_the_disk_at_once_and_readings_by_a_flush(
     assert forced[0] == EVENTS_FILE
     assert sorted(forced[1:]) == sorted([EVENTS_FILE, trajectory_file("p")])
     journal.close()
+
+
+def test_a_guard_that_waits_for_its_disk_is_not_taken_for_frozen(tmp_path: Path) -> None:
+    config = GuardConfig("127.0.0.1", tmp_path)
+    assert config.silent_after_s > FLUSH_S + 4.0 * STATUS_S
 
 
 def test_a_flush_that_takes_too_long_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
