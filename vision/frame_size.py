@@ -8,9 +8,9 @@ from pydicom.encaps import get_frame
 from pydicom.uid import RLELossless
 
 _JPEG, _JPEG_2000 = b"\xff\xd8", b"\xff\x4f\xff\x51"  # how a stream begins
-# Frame headers of ISO 10918-1 (tables, extensions and conditioning lie between them) and of JPEG-LS, ISO 14495-1.
-_JPEG_LS = 0xF7
-_FRAME_HEADERS = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC} | {_JPEG_LS}
+_JPEG_LS = 0xF7  # ISO 14495-1
+# Of ISO 10918-1 what DICOM has (PS3.5 8.2.1): baseline, extended and lossless, each of one scan with Huffman codes.
+_FRAME_HEADERS = frozenset({0xC0, 0xC1, 0xC3, _JPEG_LS})
 _FRAME_HEADER, _SAMPLE_BITS = struct.Struct(">BHHB"), range(2, 17)
 _ALONE = frozenset({0x01, *range(0xD0, 0xDA)})  # markers without content, which do not belong before a scan
 _FILL, _SCAN, _HUFFMAN_TABLES = 0xFF, 0xDA, 0xC4
@@ -63,10 +63,7 @@ def _unpacked_length(segment: bytes) -> int:
 
 
 def told_size(frame: bytes) -> tuple[int, int] | None:
-    """Rows and columns of a JPEG, JPEG-LS or JPEG 2000 stream; None where its header does not say, or makes no sense.
-
-    GDCM ends the process over some headers that make none.
-    """
+    """Rows and columns of a JPEG, JPEG-LS or JPEG 2000 stream; None where its header does not say or makes no sense."""
     if frame[:4] == _JPEG_2000 and len(frame) >= 24:
         right, bottom, left, top = struct.unpack(">4I", frame[8:24])
         return bottom - top, right - left

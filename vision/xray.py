@@ -20,7 +20,7 @@ from pydicom.uid import JPEG2000, JPEG2000Lossless, JPEGLSLossless, JPEGLSNearLo
 
 from vision.deflated import inflates_beyond
 from vision.frame_size import disagrees
-from vision.jpeg_extended import add_decoder
+from vision.jpeg import PLUGIN, SYNTAXES, add_decoders
 from vision.refusal import Refusal, RefusalCode
 
 LEAST_SIDE_PX = 256  # below it the wires of a 9 inch field are thinner than a pixel
@@ -31,8 +31,12 @@ _DICOM_MAGIC = b"DICM"
 _XRAY_MODALITIES = frozenset({"XA", "RF", "CR", "DX", "OT"})
 _POLARITIES = frozenset({"MONOCHROME1", "MONOCHROME2"})
 _PICTURE_FORMATS = ("PNG", "TIFF")
-# Of a damaged stream pydicom's first choices make seconds of work (JPEG-LS) or end the process (JPEG 2000).
-_DECODERS = {JPEGLSLossless: "gdcm", JPEGLSNearLossless: "gdcm", JPEG2000Lossless: "pillow", JPEG2000: "pillow"}
+# Over damaged streams the other decoders make seconds of work (JPEG-LS) or end the process (JPEG, JPEG 2000).
+_DECODERS = {
+    **dict.fromkeys(SYNTAXES, PLUGIN),
+    **dict.fromkeys((JPEGLSLossless, JPEGLSNearLossless), "gdcm"),
+    **dict.fromkeys((JPEG2000Lossless, JPEG2000), "pillow"),
+}
 _TIFF_PHOTOMETRIC = 262  # tag; 0: the least value is white
 _PICTURE_BITS = {"L": 8, "I;16": 16, "I;16B": 16, "I;16L": 16}
 
@@ -168,7 +172,7 @@ def _dicom_pixels(dataset: Any, frame: int | None) -> _Stored | Refusal:
         return Refusal(RefusalCode.UNSUPPORTED_IMAGE, f"choose one of {frames} frames with --frame", frame, frames)
     if disagrees(dataset, chosen - 1, frames):
         return Refusal(RefusalCode.UNREADABLE_IMAGE, "the pixels are not of the size that the header says")
-    add_decoder()
+    add_decoders()
     values = pixel_array(
         dataset, index=chosen - 1, decoding_plugin=_DECODERS.get(dataset.file_meta.TransferSyntaxUID, "")
     )

@@ -249,9 +249,7 @@ def test_a_header_of_another_size_than_the_pixels_is_refused(make_xray, tmp_path
     ],
     ids=["marker", "codes", "table", "alone", "no table", "255 bits", "17 bits", "18 bits", "colours", "tiles"],
 )
-def test_a_stream_over_which_gdcm_ends_the_process_is_refused(
-    make_xray, tmp_path, name, marker, behind, bytes_there
-) -> None:
+def test_a_stream_of_a_senseless_header_is_refused(make_xray, tmp_path, name, marker, behind, bytes_there) -> None:
     plain = tmp_path / "plain.dcm"
     plain.write_bytes(make_xray(_ROWS, _COLUMNS, PixelData=_shadows(12, 3).tobytes()))
     content = bytearray(SYNTAXES[name].make(plain).read_bytes())
@@ -260,3 +258,41 @@ def test_a_stream_over_which_gdcm_ends_the_process_is_refused(
     refusal = decode(bytes(content))
     assert isinstance(refusal, Refusal)
     assert refusal.code == RefusalCode.UNREADABLE_IMAGE
+
+
+@pytest.mark.hazard("H31")
+@pytest.mark.parametrize("name", [name for name in SYNTAXES if name.startswith("JPEG")])
+def test_a_stream_without_its_end_is_refused(make_xray, tmp_path, name) -> None:
+    plain, bits = tmp_path / "plain.dcm", SYNTAXES[name].bits
+    values = _shadows(bits, 5)
+    said = {"BitsAllocated": 8 * values.itemsize, "BitsStored": bits, "HighBit": bits - 1}
+    plain.write_bytes(make_xray(_ROWS, _COLUMNS, PixelData=values.tobytes(), **said))
+    refusal = decode(_changed(SYNTAXES[name].make(plain), lambda frame: frame[: len(frame) // 2]))
+    assert isinstance(refusal, Refusal), "half an image, and the rest made up"
+    assert refusal.code == RefusalCode.UNREADABLE_IMAGE
+
+
+@pytest.mark.hazard("H31")
+@pytest.mark.parametrize("name", ["JPEG baseline", "JPEG lossless", "JPEG lossless SV1"])
+def test_a_header_of_fewer_bits_than_the_stream_leaves_the_process_alive(make_xray, tmp_path, name) -> None:
+    """GDCM called abort() over it."""
+    plain, values = tmp_path / "plain.dcm", _shadows(8, 5) // 2
+    said = {"BitsAllocated": 8, "BitsStored": 8, "HighBit": 7}
+    plain.write_bytes(make_xray(_ROWS, _COLUMNS, PixelData=values.tobytes(), **said))
+    dataset, changed = dcmread(SYNTAXES[name].make(plain)), BytesIO()
+    dataset.BitsStored, dataset.HighBit = 7, 6
+    dataset.save_as(changed, enforce_file_format=True)
+    decoded = decode(changed.getvalue())
+    assert isinstance(decoded, XrayImage), decoded
+    assert decoded.bits == 7
+    if name != "JPEG baseline":
+        np.testing.assert_array_equal(np.round(decoded.pixels * 127).astype(int), values)
+
+
+def _changed(file: Path, change: Callable[[bytes], bytes]) -> bytes:
+    """The file's content with its one frame changed."""
+    dataset, changed = dcmread(file), BytesIO()
+    (frame,) = generate_frames(dataset.PixelData, number_of_frames=1)
+    dataset.PixelData = encapsulate([change(frame)])
+    dataset.save_as(changed, enforce_file_format=True)
+    return changed.getvalue()
