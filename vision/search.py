@@ -47,16 +47,46 @@ class Search:
 
 
 def search(image: CorrectedImage, scene: Scene, carm: CArm) -> Search:
-    """A quick search, a thorough one where that finds no solution; then one for the guide of a ring left over (H07)."""
+    """A quick search, a thorough one where that finds no solution, one for the other ring of each clear one.
+
+    Then one for the guide of a ring left over (H07).
+    """
     found = _search(image, scene, carm, QUICK)
-    if isinstance(found.outcome, Refusal) and found.outcome.code not in _FINAL:
+    if _goes_on(found.outcome):
         found = _search(image, scene, carm, THOROUGH, found.passed)
+    if _goes_on(found.outcome):
+        found = _beside_unpaired(found, scene, image)
     return found if isinstance(found.outcome, Refusal) else _with_others(found, found.outcome, scene, image)
+
+
+def _goes_on(outcome: Solution | Refusal) -> bool:
+    """Whether looking harder may find what is not found yet."""
+    return isinstance(outcome, Refusal) and outcome.code not in _FINAL
 
 
 def _search(image: CorrectedImage, scene: Scene, carm: CArm, effort: Effort, known: Sequence[Attempt] = ()) -> Search:
     """One search; a first view that lies on a guide known from another search is not refined to it once more."""
     return _tried(find_candidates(image, scene.guide, carm, scene.priors, effort), [], known, scene, image)
+
+
+def _beside_unpaired(found: Search, scene: Scene, image: CorrectedImage) -> Search:
+    """The search gone on with what belongs to rings that are clearly there, each looked for where it must be.
+
+    A faint ring's ellipse, found by itself, may be too rough to make a pair.
+    """
+    unpaired = _clear_unpaired(found.candidates)
+    if not unpaired:
+        return found
+    others = completed(found.candidates, unpaired, found.candidates.ridge, scene.guide, scene.priors)
+    return found if isinstance(others.pairs, Refusal) else _tried(others, found.attempts, found.passed, scene, image)
+
+
+def _clear_unpaired(candidates: Candidates) -> list[RingCandidate]:
+    """Rings that are clearly there and in no pair."""
+    pairs = [] if isinstance(candidates.pairs, Refusal) else candidates.pairs
+    paired = [ring for pair in pairs for ring in (pair.rings.small, pair.rings.big)]
+    clear = (ring for ring in candidates.rings if ring.support > _HARDLY_THERE)
+    return [ring for ring in clear if not any(is_one_ring(ring.ellipse, other) for other in paired)]
 
 
 def _with_others(found: Search, solution: Solution, scene: Scene, image: CorrectedImage) -> Search:

@@ -30,6 +30,18 @@ def image() -> XrayImage:
     return XrayImage(pixels.astype(np.float32) / 255.0, 8, "0" * 64)
 
 
+def test_a_faint_ring_is_looked_for_where_a_clear_one_tells(
+    guide: Guide, intensifier: CArm, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By itself the small ring is found four pixels off and fits no other."""
+    scene = random_scene(5000, "strong")
+    pixels = render_quickly(scene, 5000).pixels
+    image = XrayImage(pixels.astype(np.float32) / 255.0, 8, "0" * 64)
+    assert isinstance(examine(image, guide, intensifier).result, Registration)
+    monkeypatch.setattr(search, "_clear_unpaired", lambda _: [])
+    assert isinstance(examine(image, guide, intensifier).result, Refusal)
+
+
 def test_a_view_that_degenerates_in_the_fit_is_refused(
     image: XrayImage, guide: Guide, flat_panel: CArm, monkeypatch: pytest.MonkeyPatch
 ) -> None:
