@@ -7,7 +7,7 @@ import socket
 import uvicorn
 from fastapi import FastAPI
 
-from robot.guard.pauses import spare_what_is_loaded
+from robot.guard.pauses import spare_what_is_loaded, take_short_turns
 from service.app import create_app
 from service.connections import BACKLOG, PromptProtocol, allow_descriptors
 from service.settings import Settings
@@ -27,6 +27,7 @@ class _Server(uvicorn.Server):
 def run(settings: Settings, claim_reason: str | None = None) -> None:
     """Serve until interrupted; ServiceError where a part refuses to start."""
     allow_descriptors()
+    take_short_turns()
     asyncio.run(_serve(settings, claim_reason))
 
 

@@ -18,13 +18,12 @@ from robot.guard.lines import decode_command
 from robot.guard.messages import Phase, ReleasePendant, Stop
 from robot.guard.outbox import Outbox
 from robot.guard.parent import end_with_parent
-from robot.guard.pauses import spare_what_is_loaded
+from robot.guard.pauses import spare_what_is_loaded, take_short_turns
 from robot.guard.precedence import take_precedence
 from robot.ur5 import UR5
 
 _TURN_S = 0.003  # longest pause between two looks at the arm, whose cycle is 8 ms (CB3) or 2 ms
 _MOST_A_TURN = 20  # commands; a hand sends one in eight turns
-_SWITCH_S = 0.0005  # the interpreter's threads take turns quickly, so that a stop does not wait for a status
 _AT_REST = (Phase.IDLE, Phase.HELD)
 
 
@@ -38,7 +37,7 @@ _Inbox: TypeAlias = SimpleQueue[Taken | _Parent]
 def run(arm_address: str, journal_folder: Path) -> None:
     """Guard one arm until the parent is gone or the arm's library stuck, and the arm at rest; or the link broken."""
     outbox = Outbox(_take_stdout())
-    sys.setswitchinterval(_SWITCH_S)
+    take_short_turns()
     take_precedence(passed_on=True)  # the arm's library reads in threads of its own
     journal = Journal(journal_folder)
     arm = UR5(arm_address)

@@ -23,7 +23,7 @@ from service.conductor.caller import Caller
 from service.conductor.echoes import Echoes
 from service.conductor.handedness import ProvedConnections
 from service.conductor.limits import limits_from
-from service.conductor.taking import Prepare, Rules, Taken, stand, take
+from service.conductor.taking import Prepare, Rules, Taken, case_here, stand, take
 from service.database.free_space import check_free_space
 from service.errors import ServiceError
 from service.motion.bridge import ArmBridge
@@ -143,8 +143,9 @@ class Conductor:
         if self.bridge.is_moving():
             return True
         with self.parts.database.read() as connection:
-            standing = stand(connection, self.rules, case_id, trigger)
-        decision = decide(standing.case, trigger, facts, standing.snapshot, self.rules.limits, self.rules.clock())
+            _, last = case_here(connection, self.rules, case_id)
+        case = from_json(dict(last.case_state))
+        decision = decide(case, trigger, facts, None, self.rules.limits, self.rules.clock())
         return isinstance(decision, Decision) and Effect.STOP_SENT in decision.effects
 
     def _take_once(

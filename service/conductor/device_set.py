@@ -35,10 +35,15 @@ class DeviceSet:
 def device_ids(connection: Connection, case_id: str) -> dict[str, str]:
     """Ids of the device files that a case uses now, by kind."""
     opened = connection.execute(sa.select(tables.cases.c.devices).where(tables.cases.c.id == case_id)).scalar_one()
+    return changed_devices(connection, case_id, opened)
+
+
+def changed_devices(connection: Connection, case_id: str, opened: Mapping[str, str]) -> dict[str, str]:
+    """The same, where those that the case was opened with are known."""
     events = tables.events
     changed = (events.c.case_id == case_id, events.c.trigger == Trigger.DEVICE_CHANGED)
     query = sa.select(events.c.data).where(*changed).order_by(events.c.sequence)
-    chosen: dict[str, str] = dict(opened)
+    chosen = dict(opened)
     for data in connection.execute(query).scalars():
         chosen |= data.get("devices", {})
     return chosen

@@ -9,9 +9,9 @@ from sqlalchemy.engine import Connection
 from service.auth.lease import Lease, lease_of
 from service.cases import store
 from service.cases.attempts import record_attempt
-from service.cases.records import NewArtefact, NewAttempt, NewEvent, StoredEvent
+from service.cases.records import NewArtefact, NewAttempt, NewEvent, StoredCase, StoredEvent
 from service.conductor.configuration import configuration_of
-from service.conductor.device_set import devices_of
+from service.conductor.device_set import changed_devices, read_devices
 from service.conductor.snapshots import Held, measure
 from service.conductor.verdict_json import kept_verdict, verdict_json
 from service.errors import ErrorCode, ServiceError
@@ -24,8 +24,8 @@ from workflow.facts import Facts
 from workflow.limits import Limits
 from workflow.machine import decide
 from workflow.refusals import Refusal
-from workflow.snapshot import SafetySnapshot
-from workflow.triggers import Trigger
+from workflow.snapshot import SafetySnapshot, unknown_snapshot
+from workflow.triggers import Kind, Trigger
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,21 +86,30 @@ class Rules:
 
 
 def stand(connection: Connection, rules: Rules, case_id: str, trigger: Trigger) -> Standing:
-    """The case and the world; ServiceError CASE_UNKNOWN, CASE_ELSEWHERE."""
-    opened = store.read_case(connection, case_id)
-    _check_room(rules, opened.room)
-    last = store.newest_event(connection, case_id)
+    """The case and the world; ServiceError CASE_UNKNOWN, CASE_ELSEWHERE.
+
+    Nothing is measured for a fact: no interlock judges it, and what a person states should not wait for a reading.
+    """
+    opened, last = case_here(connection, rules, case_id)
     case, lease = from_json(dict(last.case_state)), lease_of(connection, case_id)
-    devices = devices_of(connection, case_id)
+    if trigger.kind is Kind.FACT:
+        return Standing(connection, last, case, unknown_snapshot(), lease)
+    devices = read_devices(connection, changed_devices(connection, case_id, opened.devices))
     configuration = configuration_of(opened, rules.settings_sha256, devices)
     held = Held(lease.fencing_token if lease else None, devices, configuration)
     return Standing(connection, last, case, measure(rules.watch, case, trigger, held), lease)
 
 
-def _check_room(rules: Rules, room: str) -> None:
-    """Services of several rooms share a database, and each measures and locks its own arm alone (H19)."""
-    if room != rules.room:
-        raise ServiceError(ErrorCode.CASE_ELSEWHERE, f"the case is in {room}", measured=room, limit=rules.room)
+def case_here(connection: Connection, rules: Rules, case_id: str) -> tuple[StoredCase, StoredEvent]:
+    """A case of this room and its newest event; ServiceError CASE_UNKNOWN, CASE_ELSEWHERE.
+
+    Services of several rooms share a database, and each measures and locks its own arm alone (H19).
+    """
+    opened = store.read_case(connection, case_id)
+    if opened.room != rules.room:
+        message = f"the case is in {opened.room}"
+        raise ServiceError(ErrorCode.CASE_ELSEWHERE, message, measured=opened.room, limit=rules.room)
+    return opened, store.newest_event(connection, case_id)
 
 
 def take(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import pytest
 
 from workflow.decisions import Decision, Effect, Outcome
+from workflow.machine import decide
 from workflow.refusals import Refusal
 from workflow.rows import Row
 from workflow.states import GuideState, InsertionStatus, State
@@ -183,6 +184,19 @@ def test_every_cell_is_as_the_second_table_says(walk, state, trigger):
         check_unlisted(before, trigger, answer)
     else:
         check_listed(before, expected, answer)
+
+
+@pytest.mark.hazard("H22")
+@pytest.mark.parametrize("state", State)
+def test_what_a_person_states_is_taken_alike_where_nothing_was_measured(new_walk, state):
+    for trigger in (one for one in Trigger if one.kind is Kind.FACT):
+        walk = new_walk().to(state)
+        case, facts = walk.case, walk.facts(trigger)
+        measured, unmeasured = (
+            decide(case, trigger, facts, snapshot, walk.limits, walk.now_s) for snapshot in (walk.snapshot, None)
+        )
+        assert measured == unmeasured
+        assert measured.verdicts == ()
 
 
 def check_listed(before, expected: Expected, answer) -> None:
