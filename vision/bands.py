@@ -62,7 +62,7 @@ class _Wires:
     corrected: Array
     profiles: dict[Wire, Profile]
     width_px: dict[Wire, float]
-    masks: dict[Wire, NDArray[np.uint8]]
+    masks: dict[Wire, NDArray[np.bool_]]
     blur_px: float
 
 
@@ -113,7 +113,7 @@ def _laid_out(view: View, guide: Guide, plate: PlateFit, values: NDArray[np.floa
         mask = np.zeros((window.rows, window.columns), dtype=np.uint8)
         thickness = 2 * int(np.ceil(_REACH * widths[wire])) + 3
         cv2.polylines(mask, [path], wire is not Wire.LINE, (1,), thickness)
-        masks[wire] = mask
+        masks[wire] = mask.view(np.bool_)
     corrected = plate.map.corrected_window(window.left, window.top, window.columns, window.rows).reshape(2, -1)
     return _Wires(view, guide, plate, window, corrected, profiles, widths, masks, shadows.blur_px)
 
@@ -139,8 +139,8 @@ def _balls(wires: _Wires, shadows: Shadows) -> Array:
 def _near_bands(wires: _Wires, balls_raw: Array, profile: Profile) -> Array:
     """Those balls (m, 2) whose shadows may reach a band."""
     window, side = wires.window, 2 * math.ceil(profile.reach_px) + 1
-    bands = np.maximum.reduce(list(wires.masks.values()))
-    reached = cv2.dilate(bands, np.ones((side, side), np.uint8))
+    bands = np.logical_or.reduce(list(wires.masks.values()))
+    reached = cv2.dilate(bands.view(np.uint8), np.ones((side, side), np.uint8))
     u, v = (np.rint(balls_raw).astype(np.intp) - (window.left, window.top)).T
     inside = (u >= 0) & (u < window.columns) & (v >= 0) & (v < window.rows)
     return np.asarray(balls_raw[inside & (reached[np.where(inside, v, 0), np.where(inside, u, 0)] > 0)])
@@ -174,7 +174,7 @@ def _band(wires: _Wires, wire: Wire, first_piece: int) -> tuple[Array, _Band]:
     inside = np.flatnonzero((np.abs(at.distance_px) < reach_px) & (piece >= 0))
     d, along, pixel = at.distance_px[inside], (from_middle * at.speed_px)[inside] / reach_px, pixel[inside]
     profile = wires.profiles[wire]
-    others = _others(wires, wire, corrected[:, inside], pixel)
+    others = _others(wires, wire, corrected.take(inside, axis=1), pixel)
     rows = np.stack((profile.heights(d), -profile.slopes(d), d / reach_px, along, others))
     return middles, _Band(pixel, piece[inside] + first_piece, rows)
 
@@ -200,9 +200,9 @@ def _others(wires: _Wires, wire: Wire, corrected: Array, pixel: NDArray[np.intp]
     """Shadows (n,) of the other two wires at one wire's pixels, corrected (2, n)."""
     total = np.zeros(len(pixel))
     for other in (other for other in Wire if other is not wire):
-        both = np.flatnonzero(wires.masks[other].ravel()[pixel])
+        both = np.flatnonzero(wires.masks[other].take(pixel))
         if len(both):
-            at = feet(wires.view, wires.guide, other, corrected[:, both].T)
+            at = feet(wires.view, wires.guide, other, corrected.take(both, axis=1).T)
             shadow = wires.profiles[other].heights(at.distance_px)
             if other is Wire.LINE:
                 sd_mm = np.sqrt(2.0) * wires.blur_px / at.speed_px

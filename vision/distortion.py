@@ -87,9 +87,9 @@ class DistortionMap:
         for _ in range(_INVERSE_ROUNDS):
             excess = self.corrected_from_raw(raw) - points
             raw = raw - np.clip(excess, -self.half_size_px, self.half_size_px)
-            left = ~(np.abs(excess).max(axis=1) < _SETTLED_PX)
-            if not left.any():
+            if np.abs(excess).max(initial=0.0) < _SETTLED_PX:
                 return raw
+        left = ~(np.abs(excess) < _SETTLED_PX).all(axis=1)
         raw[left] = self._inverted(points[left])
         return raw
 

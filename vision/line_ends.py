@@ -138,7 +138,8 @@ def _patch(
 
 def _ground(along: Array, across: Array) -> Array:
     """Terms (n, 10) of a ground of third order."""
-    return np.column_stack([along**i * across**j for i in range(4) for j in range(4 - i)])
+    powers = [(np.ones_like(axis), axis, axis * axis, axis * axis * axis) for axis in (along, across)]
+    return np.column_stack([powers[0][i] * powers[1][j] for i in range(4) for j in range(4 - i)])
 
 
 def _shadow(patch: _Patch, place_px: Array) -> Array:

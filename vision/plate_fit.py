@@ -3,6 +3,8 @@
 The targets of the balls are the lattice of the plate under the similarity that fits the raw balls best.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,26 +43,59 @@ def fit(raw: Array, lattice: Array, rows: int, columns: int, spacing_mm: float) 
     corrected, spacing_px = _similar(lattice, raw)
     normalised, wanted = (raw - np.array(centre)) / half_size_px, corrected - raw
     richest, total = legendre.terms(normalised, DEGREES[-1]), legendre.exponents(DEGREES[-1]).sum(axis=1)
-    terms_by = {degree: richest[:, total <= degree] for degree in DEGREES}
-    kept_by = {degree: _kept(terms, wanted) for degree, terms in terms_by.items()}
-    degree = min(DEGREES, key=lambda d: _leave_one_out(terms_by[d][kept_by[d]], wanted[kept_by[d]]))
-    kept = kept_by[degree]
-    terms = terms_by[degree][kept]
-    coefficients, inverse = _solved(terms, wanted[kept])
-    residual = wanted[kept] - terms @ coefficients
+    solved = min((_solved(degree, richest[:, total <= degree], wanted) for degree in DEGREES), key=_leave_one_out)
+    residual, terms = solved.residual, solved.terms
     variance = float((residual**2).sum() / (2 * (len(terms) - terms.shape[1])))
     rms_px = float(np.sqrt((residual**2).sum(axis=1).mean()))
     pixel_size_mm = spacing_mm / spacing_px
-    fitted = DistortionMap(centre, half_size_px, degree, coefficients, int(kept.sum()), rms_px, pixel_size_mm)
+    fitted = DistortionMap(
+        centre, half_size_px, solved.degree, solved.coefficients, int(solved.kept.sum()), rms_px, pixel_size_mm
+    )
     sites = _invertible(fitted, _places_in(lattice, corrected, rows, columns))
-    balls = FittedBalls(raw, corrected, fitted.corrected_from_raw(raw) - corrected, kept)
-    return PlateFit(fitted, variance * inverse, sites, balls)
+    balls = FittedBalls(raw, corrected, fitted.corrected_from_raw(raw) - corrected, solved.kept)
+    return PlateFit(fitted, variance * solved.inverse, sites, balls)
 
 
-def _solved(terms: Array, wanted: Array) -> tuple[Array, Array]:
-    """Coefficients (m, 2) of least squares, and the inverse (m, m) of the normal equations."""
-    inverse = np.linalg.inv(terms.T @ terms)
-    return np.asarray(inverse @ (terms.T @ wanted)), np.asarray(inverse)
+@dataclass(frozen=True, slots=True, eq=False)
+class _Solved:
+    """A polynomial by least squares.
+
+    Attributes
+    ----------
+    kept : NDArray[np.bool_]
+        (n,): the balls that it rests on.
+    terms, residual : Array
+        (k, m) and (k, 2): its terms at those balls, and what it leaves of them, px.
+    coefficients, inverse : Array
+        (m, 2) and (m, m): px; inverse of the normal equations.
+    """
+
+    degree: int
+    kept: NDArray[np.bool_]
+    terms: Array
+    residual: Array
+    coefficients: Array
+    inverse: Array
+
+
+def _solved(degree: int, terms: Array, wanted: Array) -> _Solved:
+    """Of terms (n, m) and displacements (n, 2), balls beyond 4 robust standard deviations left out, in turns."""
+    solved = _solved_by(np.ones(len(terms), dtype=bool), degree, terms, wanted)
+    for _ in range(_REJECTION_ROUNDS):
+        distance = np.linalg.norm(wanted - terms @ solved.coefficients, axis=1)
+        # the median of a Rayleigh distribution is 1.1774 standard deviations of a coordinate
+        again = distance < _OUTLIER_SD * np.median(distance[solved.kept]) / 1.1774
+        if (again == solved.kept).all():
+            break
+        solved = _solved_by(again, degree, terms, wanted)
+    return solved
+
+
+def _solved_by(kept: NDArray[np.bool_], degree: int, terms: Array, wanted: Array) -> _Solved:
+    terms, wanted = terms[kept], wanted[kept]
+    inverse = np.asarray(np.linalg.inv(terms.T @ terms))
+    coefficients = np.asarray(inverse @ (terms.T @ wanted))
+    return _Solved(degree, kept, terms, wanted - terms @ coefficients, coefficients, inverse)
 
 
 def _invertible(distortion: DistortionMap, corrected: Array) -> Array:
@@ -89,21 +124,7 @@ def _similar(lattice: Array, raw: Array) -> tuple[Array, float]:
     return mean_raw + spacing_px * centred @ (left @ right).T, spacing_px
 
 
-def _kept(terms: Array, wanted: Array) -> NDArray[np.bool_]:
-    """Which balls stay when those beyond 4 robust standard deviations are left out, in turns."""
-    kept = np.ones(len(terms), dtype=bool)
-    for _ in range(_REJECTION_ROUNDS):
-        distance = np.linalg.norm(wanted - terms @ _solved(terms[kept], wanted[kept])[0], axis=1)
-        # the median of a Rayleigh distribution is 1.1774 standard deviations of a coordinate
-        again = distance < _OUTLIER_SD * np.median(distance[kept]) / 1.1774
-        if (again == kept).all():
-            break
-        kept = again
-    return kept
-
-
-def _leave_one_out(terms: Array, wanted: Array) -> float:
+def _leave_one_out(solved: _Solved) -> float:
     """Mean squared error of each ball predicted from all others, px^2, by the diagonal of the hat matrix."""
-    coefficients, inverse = _solved(terms, wanted)
-    leverage = ((terms @ inverse) * terms).sum(axis=1)
-    return float(np.mean(((wanted - terms @ coefficients) / (1.0 - leverage)[:, None]) ** 2))
+    leverage = ((solved.terms @ solved.inverse) * solved.terms).sum(axis=1)
+    return float(np.mean((solved.residual / (1.0 - leverage)[:, None]) ** 2))
