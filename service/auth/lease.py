@@ -10,6 +10,8 @@ from service.database import tables
 from service.database.clock import now_utc
 from service.errors import ErrorCode, ServiceError
 
+_LEASE = sa.select(tables.leases).where(tables.leases.c.case_id == sa.bindparam("case_id"))
+
 
 @dataclass(frozen=True, slots=True)
 class Lease:
@@ -25,7 +27,7 @@ class Lease:
 
 def lease_of(connection: Connection, case_id: str) -> Lease | None:
     """The lease of a case, if somebody has ever taken it."""
-    row = connection.execute(sa.select(tables.leases).where(tables.leases.c.case_id == case_id)).first()
+    row = connection.execute(_LEASE, {"case_id": case_id}).first()
     return None if row is None else Lease(**row._mapping)
 
 

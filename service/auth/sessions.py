@@ -10,7 +10,6 @@ from uuid import uuid4
 
 import sqlalchemy as sa
 import structlog
-from sqlalchemy.engine import Connection
 
 from service.auth.permissions import Role
 from service.auth.session import Session, SessionStatus
@@ -25,6 +24,13 @@ _log = structlog.get_logger(__name__)
 
 # A session's last use is written at most this often: reading the status must not cost a disk write each time.
 _SEEN_STEP_S = 10.0
+# Neither revoked nor of a user who was disabled.
+_ALIVE = (
+    sa.select(tables.sessions, tables.users.c.name, tables.users.c.role)
+    .join(tables.users, tables.users.c.id == tables.sessions.c.user_id)
+    .where(tables.sessions.c.revoked_at.is_(None), tables.users.c.disabled_at.is_(None))
+)
+_ALIVE_BY_TOKEN = _ALIVE.where(tables.sessions.c.token_sha256 == sa.bindparam("token_sha256"))
 
 
 class SessionStore:
@@ -35,7 +41,7 @@ class SessionStore:
         self._settings = settings
         self._now_s = now_s
         with database.read() as connection:
-            self._remembered = {row.token_sha256: self._session(row) for row in _rows(connection)}
+            self._remembered = {row.token_sha256: self._session(row) for row in connection.execute(_ALIVE)}
 
     def create(self, user: User) -> tuple[str, Session]:
         """A session for a user who has proved a password: its token, told once, and the session."""
@@ -73,7 +79,7 @@ class SessionStore:
 
     def _row(self, token: str) -> sa.Row[Any] | None:
         with self._database.read() as connection:
-            row = next(iter(_rows(connection, tables.sessions.c.token_sha256 == _digest(token))), None)
+            row = connection.execute(_ALIVE_BY_TOKEN, {"token_sha256": _digest(token)}).first()
         if row is None:
             self._remembered.pop(_digest(token), None)
         return row
@@ -122,10 +128,3 @@ class SessionStore:
 
 def _digest(token: str) -> str:
     return hashlib.sha256(token.encode()).hexdigest()
-
-
-def _rows(connection: Connection, *where: sa.ColumnElement[bool]) -> list[sa.Row[Any]]:
-    sessions, users = tables.sessions, tables.users
-    alive = (sessions.c.revoked_at.is_(None), users.c.disabled_at.is_(None))
-    query = sa.select(sessions, users.c.name, users.c.role).join(users, users.c.id == sessions.c.user_id)
-    return list(connection.execute(query.where(*alive, *where)))

@@ -11,6 +11,9 @@ from service.database import tables
 from service.database.clock import now_utc
 from service.errors import ErrorCode, ServiceError
 
+_KEYS = tables.idempotency_keys
+_KEPT = sa.select(_KEYS).where(_KEYS.c.user_id == sa.bindparam("user_id"), _KEYS.c.key == sa.bindparam("key"))
+
 
 @dataclass(frozen=True, slots=True)
 class Intent:
@@ -41,8 +44,7 @@ def kept_answer(connection: Connection, intent: Intent) -> KeptAnswer | None:
 
     To be called in the write transaction that will cause the effect: write transactions never overlap.
     """
-    keys = tables.idempotency_keys
-    row = connection.execute(sa.select(keys).where(keys.c.user_id == intent.user_id, keys.c.key == intent.key)).first()
+    row = connection.execute(_KEPT, {"user_id": intent.user_id, "key": intent.key}).first()
     if row is None:
         return None
     if row.request_sha256 != intent.request_sha256:
@@ -53,7 +55,7 @@ def kept_answer(connection: Connection, intent: Intent) -> KeptAnswer | None:
 def keep_answer(connection: Connection, intent: Intent, answer: KeptAnswer) -> None:
     """Keep the answer beside the effect, in the same transaction."""
     connection.execute(
-        sa.insert(tables.idempotency_keys).values(
+        sa.insert(_KEYS).values(
             user_id=intent.user_id,
             key=intent.key,
             request_sha256=intent.request_sha256,

@@ -15,6 +15,12 @@ from service.database import tables
 from service.devices.store import DeviceKind, expired, files_with_bytes
 from workflow.triggers import Trigger
 
+_CHANGES = (
+    sa.select(tables.events.c.data)
+    .where(tables.events.c.case_id == sa.bindparam("case_id"), tables.events.c.trigger == Trigger.DEVICE_CHANGED)
+    .order_by(tables.events.c.sequence)
+)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DeviceSet:
@@ -40,11 +46,8 @@ def device_ids(connection: Connection, case_id: str) -> dict[str, str]:
 
 def changed_devices(connection: Connection, case_id: str, opened: Mapping[str, str]) -> dict[str, str]:
     """The same, where those that the case was opened with are known."""
-    events = tables.events
-    changed = (events.c.case_id == case_id, events.c.trigger == Trigger.DEVICE_CHANGED)
-    query = sa.select(events.c.data).where(*changed).order_by(events.c.sequence)
     chosen = dict(opened)
-    for data in connection.execute(query).scalars():
+    for data in connection.execute(_CHANGES, {"case_id": case_id}).scalars():
         chosen |= data.get("devices", {})
     return chosen
 

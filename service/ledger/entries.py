@@ -23,6 +23,12 @@ _RUN = uuid4().hex
 NOTHING_BEFORE = "0" * 64
 # What the columns repeat of the text, by their common name.
 REPEATED = ("case_id", "actor", "action", "attempt_id")
+_NEWEST = (
+    sa.select(tables.ledger.c.sequence, tables.ledger.c.sha256, tables.ledger.c.reached_at)
+    .order_by(tables.ledger.c.sequence.desc())
+    .limit(1)
+)
+_NAME_AND_ROLE = sa.select(tables.users.c.name, tables.users.c.role).where(tables.users.c.id == sa.bindparam("id"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +45,7 @@ BEFORE_THE_FIRST = Head(0, NOTHING_BEFORE, "")
 
 def head_of(connection: Connection) -> Head:
     """The newest entry; ServiceError LEDGER_BROKEN where there is none, for a schema comes with its first."""
-    table = tables.ledger
-    query = sa.select(table.c.sequence, table.c.sha256, table.c.reached_at).order_by(table.c.sequence.desc()).limit(1)
-    row = connection.execute(query).first()
+    row = connection.execute(_NEWEST).first()
     if row is None:
         raise ServiceError(ErrorCode.LEDGER_BROKEN, "the ledger has no entries")
     return Head(*row)
@@ -59,7 +63,7 @@ def append_entry(connection: Connection, draft: Draft, before: Head) -> Head:
     head = Head(before.sequence + 1, sha256_of(text), max(before.reached_at, recorded_at))
     repeated = {name: said[name] for name in REPEATED}
     values = {"sequence": head.sequence, "sha256": head.sha256, "reached_at": head.reached_at, "entry": text}
-    connection.execute(sa.insert(tables.ledger).values(values | repeated))
+    connection.execute(sa.insert(tables.ledger), values | repeated)
     return head
 
 
@@ -94,6 +98,5 @@ def _said(connection: Connection, draft: Draft) -> dict[str, Any]:
 def _name_and_role(connection: Connection, actor: str | None) -> tuple[str | None, str | None]:
     if actor is None:
         return None, None
-    users = tables.users
-    row = connection.execute(sa.select(users.c.name, users.c.role).where(users.c.id == actor)).first()
+    row = connection.execute(_NAME_AND_ROLE, {"id": actor}).first()
     return (None, None) if row is None else (row.name, row.role)

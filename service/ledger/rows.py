@@ -14,6 +14,7 @@ from typing import Any
 import orjson
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
+from sqlalchemy.sql.dml import ReturningInsert
 
 from service.ledger.draft import draft_of
 
@@ -26,9 +27,8 @@ Key = tuple[Any, ...]
 
 def add_rows(connection: Connection, table: sa.Table, rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
     """Insert record rows and have the ledger vouch for them at the end of the transaction; the rows as stored."""
-    binary = [column.name for column in table.columns if isinstance(column.type, sa.LargeBinary)]
-    columns = [column for column in stored_columns(table, connection.dialect.name) if column.key not in binary]
-    answered = connection.execute(sa.insert(table).returning(*columns), list(rows)).mappings()
+    binary = _binary(table)
+    answered = connection.execute(_insertion(table, connection.dialect.name), list(rows)).mappings()
     found: list[Mapping[str, Any]] = [{**row} for row in answered]
     if binary:  # hashed as given: an image is not read back; such rows come alone, so that no order matters
         (given,) = rows
@@ -38,6 +38,17 @@ def add_rows(connection: Connection, table: sa.Table, rows: Sequence[Mapping[str
         values = tuple(row[name] for name in names)
         draft.cover(table, key_of(table, values), values)
     return found
+
+
+@cache
+def _binary(table: sa.Table) -> tuple[str, ...]:
+    return tuple(column.name for column in table.columns if isinstance(column.type, sa.LargeBinary))
+
+
+@cache
+def _insertion(table: sa.Table, dialect: str) -> ReturningInsert[Any]:
+    columns = [column for column in stored_columns(table, dialect) if column.key not in _binary(table)]
+    return sa.insert(table).returning(*columns)
 
 
 @cache
