@@ -68,8 +68,7 @@ def measure_bead(
     profile = ball_profile(radius_px, expected, shadows.blur_px)
     reach_px = _REACH * radius_px
     window = Window.around(distortion.raw_from_corrected(start_px[None]), reach_px + 2.0, *values.shape)
-    v, u = (axis.ravel() for axis in np.indices((window.rows, window.columns)))
-    corrected = distortion.corrected_from_raw(np.column_stack((u + window.left, v + window.top)).astype(np.float64))
+    corrected = distortion.corrected_window(window.left, window.top, window.columns, window.rows).reshape(2, -1).T
     inside = np.linalg.norm(corrected - start_px, axis=1) < reach_px
     corrected, seen = corrected[inside], window.cut(values).ravel()[inside].astype(np.float64)
     crossing = crossings(view, guide, distortion, shadows, window, corrected, inside, tuple(Wire))

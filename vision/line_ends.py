@@ -110,8 +110,7 @@ def _patch(
     radius_px = wire_radius_px(view, guide)
     middle = distortion.raw_from_corrected(project(view, np.array([[x_mm, 0.0, 0.0]])))
     window = Window.around(middle, _REACH_PX + 2.0 * _ACROSS * radius_px, *values.shape)
-    v, u = (axis.ravel() for axis in np.indices((window.rows, window.columns)))
-    corrected = distortion.corrected_from_raw(np.column_stack((u + window.left, v + window.top)).astype(np.float64))
+    corrected = distortion.corrected_window(window.left, window.top, window.columns, window.rows).reshape(2, -1).T
     at = feet(view, guide, Wire.LINE, corrected)
     beyond_px, across_px = outwards * (at.along - x_mm) * at.speed_px, at.distance_px
     reach_px = 2.0 * _ACROSS * radius_px
