@@ -7,6 +7,7 @@ import numpy as np
 from robot.arm import Arm, ArmState, LinearMove
 from robot.errors import RobotError
 from robot.frames import Array, Transform, distance_between
+from robot.guard.deviation import has_kept_tcp
 from robot.guard.journal import Journal, trajectory_file
 from robot.guard.messages import BeginMove, EndCause, MotionEnded, MotionStarted, Phase
 from robot.guard.motion import MotionJudge
@@ -21,10 +22,19 @@ _BLIND_S = 0.5  # without feedback nothing is gained by waiting longer
 
 
 class Course:
-    """A motion under way; `phase` is starting, moving or stopping."""
+    """A motion under way; `phase` is starting, moving or stopping.
 
-    def __init__(self, move: BeginMove, arm: Arm, journal: Journal, clock: Callable[[], float]) -> None:
+    Parameters
+    ----------
+    asked : ArmState or None
+        The reading with which it was asked for, from before the controller tells its TCP.
+    """
+
+    def __init__(
+        self, move: BeginMove, asked: ArmState | None, arm: Arm, journal: Journal, clock: Callable[[], float]
+    ) -> None:
         self.move = move
+        self._asked = asked
         self.phase = Phase.STARTING
         self.controlled_at_s = clock()
         self._arm = arm
@@ -51,6 +61,8 @@ class Course:
     def launch(self, start: ArmState, resting_force_n: Array) -> MotionStarted | Refusal:
         """Put the motion on the wire; what is felt above the resting force (3,), base axes, will end it."""
         move = self.move
+        if self._asked is None or not has_kept_tcp(move, self._asked, start):  # H10: it was told, and changed since
+            return Refusal(RefusalCode.TCP_MISMATCH, "the TCP changed while control was taken", None, None)
         self._judge = MotionJudge(move, start, resting_force_n, self._clock())
         try:
             self._arm.move_linear(LinearMove(move.base_from_goal, move.speed_mm_s, move.acceleration_mm_s2))

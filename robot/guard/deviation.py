@@ -45,13 +45,22 @@ class TcpWatch:
     def has_changed(self, reading: ArmState) -> bool:
         """Whether this reading is the last of several with another TCP."""
         implied = _implied(reading)
-        offset_mm, angle_rad = distance_between(self._flange_from_tcp, implied)
-        if offset_mm <= self._move.tcp_tolerance_mm and angle_rad <= self._move.tcp_tolerance_rad:
+        if _is_same(self._move, self._flange_from_tcp, implied):
             self._flange_from_tcp = implied
             self._count = 0
         else:
             self._count += 1
         return self._count >= _READINGS
+
+
+def has_kept_tcp(move: BeginMove, before: ArmState, now: ArmState) -> bool:
+    """Whether two readings of an arm at rest imply one TCP."""
+    return _is_same(move, _implied(before), _implied(now))
+
+
+def _is_same(move: BeginMove, flange_from_a: Transform, flange_from_b: Transform) -> bool:
+    offset_mm, angle_rad = distance_between(flange_from_a, flange_from_b)
+    return offset_mm <= move.tcp_tolerance_mm and angle_rad <= move.tcp_tolerance_rad
 
 
 def _implied(reading: ArmState) -> Transform:

@@ -141,7 +141,7 @@ class Guard:
         if refusal is not None:
             self._tell(MoveRefused(move.permit_id, now_s, refusal))
             return
-        self._course = Course(move, self._arm, self._journal, self._clock)
+        self._course = Course(move, self._observer.newest, self._arm, self._journal, self._clock)
         self._report(now_s)  # taking control blocks: the parent learns beforehand why it hears nothing
         answer = self._course.take_control()
         if answer is not None:

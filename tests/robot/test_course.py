@@ -71,9 +71,11 @@ def recorded() -> list[tuple[str, ArmState]]:
 
 
 @pytest.fixture
-def course(move: BeginMove, arm: Arm, clock: SimpleNamespace, recorded: list[tuple[str, ArmState]]) -> Course:
+def course(
+    move: BeginMove, reading: ArmState, arm: Arm, clock: SimpleNamespace, recorded: list[tuple[str, ArmState]]
+) -> Course:
     journal = SimpleNamespace(sample=lambda permit_id, reading: recorded.append((permit_id, reading)))
-    return Course(move, arm, journal, lambda: clock.now_s)
+    return Course(move, reading, arm, journal, lambda: clock.now_s)
 
 
 @pytest.fixture
@@ -118,6 +120,21 @@ def test_what_is_put_on_the_wire_is_told_as_the_controller_reports_it(
     assert told.joints_rad is reading.joints_rad
     assert told.payload_centre_mm is reading.payload_centre_mm
     assert np.array_equal(told.flange_from_tcp, arm.tcp)
+
+
+@pytest.mark.hazard("H10")
+def test_a_tcp_that_is_changed_once_it_was_told_moves_nothing(course: Course, arm: Arm, reading: ArmState) -> None:
+    course.take_control()
+    answer = course.launch(replace(reading, base_from_tcp=reading.base_from_tcp @ along_z(0.06)), np.zeros(3))
+    assert isinstance(answer, Refusal)
+    assert answer.code is RefusalCode.TCP_MISMATCH
+    assert arm.orders == [WATCHDOG_HZ]
+
+
+def test_a_motion_that_was_asked_for_unseen_moves_nothing(move: BeginMove, arm: Arm, reading: ArmState) -> None:
+    course = Course(move, None, arm, SimpleNamespace(), lambda: 64.0)
+    course.take_control()
+    assert isinstance(course.launch(reading, np.zeros(3)), Refusal)
 
 
 def test_an_order_that_the_controller_refuses_moves_nothing(course: Course, arm: Arm, reading: ArmState) -> None:
