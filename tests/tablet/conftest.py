@@ -19,7 +19,7 @@ from simulator.demo.stage import Stage, open_stage
 from simulator.demo.telling import Teller
 from tests.service.conftest import RunningService
 from tests.tablet.hand import Hand
-from tests.tablet.quiet_room import QuietRoom, closed_case
+from tests.tablet.quiet_room import QuietRoom, answer_as_if_all_were_allowed, closed_case
 from tests.tablet.tablet import Tablet
 from workflow.states import State
 
@@ -29,6 +29,7 @@ _LOOK_EVERY_S = 0.1
 _FIRST_SCREEN_MS = 90_000.0  # a machine's patience; how soon it is there is measured by make tablet-speed
 _NICENESS = -15  # so that even image work, which stands back by 10, comes first
 PEDICLE = "L3-left"
+STATUS = "**/cases/*/status"
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -171,3 +172,19 @@ def at_the_case(procedure: QuietRoom) -> Callable[..., Tablet]:
         return procedure.tablet_of(Role.SURGEON, f"#case/{procedure.case_id}", **differing)
 
     return go
+
+
+@pytest.fixture
+def allowed_at(procedure: QuietRoom, at_the_case: Callable[..., Tablet]) -> Iterator[Callable[..., Tablet]]:
+    """A tablet at the case in some state, allowed everything; what it still asks at the end is let go."""
+    opened: list[Tablet] = []
+
+    def go(state: State, **differing: object) -> Tablet:
+        procedure.put(state)
+        opened.append(at_the_case(**differing))
+        opened[-1].page.route(STATUS, lambda route: answer_as_if_all_were_allowed(route, route.fetch()))
+        return opened[-1]
+
+    yield go
+    for tablet in opened:
+        tablet.page.unroute_all(behavior="ignoreErrors")

@@ -8,11 +8,13 @@ from playwright.sync_api import CDPSession, Locator, Page
 
 Point = tuple[float, float]
 _TAP_S = 0.03
+_PATIENCE_S = 30.0  # a busy machine's; what is not there by then is gone
+_LOOK_AGAIN_MS = 20  # more than a frame
 _STEPS = 8
 
 
 class GoneError(AssertionError):
-    """What was to be touched is not on the screen any more."""
+    """What was to be touched is not on the screen."""
 
 
 class Hand:
@@ -25,9 +27,10 @@ class Hand:
     def tap(self, what: str | Locator, exact: bool = False, times: int = 1) -> None:
         """Tap a button by the words on it, or anything by its locator."""
         button = (self.page.get_by_role("button", name=what, exact=exact) if isinstance(what, str) else what).first
-        button.tap(trial=True)  # in sight, at rest, and the topmost thing there
         for _ in range(times):
-            self.tap_at(self.middle_of(button))
+            # In sight, at rest, and the topmost thing there as the finger comes down: what was drawn anew meanwhile is
+            # looked for again, and what another thing lies over takes no touch.
+            button.tap(timeout=_PATIENCE_S * 1000)
 
     def tap_at(self, point: Point) -> None:
         """Tap anywhere."""
@@ -88,11 +91,14 @@ class Hand:
         self.lift()
 
     def middle_of(self, element: Locator) -> Point:
-        """Where a finger would touch it."""
-        box = element.bounding_box()
-        if box is None:
-            raise GoneError(f"{element} is not on the screen")
-        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        """Where a finger would touch it, as soon as it stands still."""
+        end_s, box = time.monotonic() + _PATIENCE_S, None
+        while time.monotonic() < end_s:
+            before, box = box, element.bounding_box()
+            if box is not None and box == before:
+                return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+            self.page.wait_for_timeout(_LOOK_AGAIN_MS)
+        raise GoneError(f"{element} is not on the screen, or does not stand still")
 
     def _send(self, kind: str, fingers: list[Point]) -> None:
         points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(fingers)]

@@ -8,6 +8,7 @@ from typing import Any
 from uuid import uuid4
 
 from argon2 import PasswordHasher
+from playwright.sync_api import APIResponse, Route
 from sqlalchemy.engine import Connection
 
 from benchmarks.recorded_cases import Results, record
@@ -78,6 +79,14 @@ class QuietRoom:
                 evaluation.id, evaluation.made_from, second.columns["image_id"], "motion", passed=True, judged_s=0.0
             ),
         }
+
+
+def answer_as_if_all_were_allowed(route: Route, answer: APIResponse) -> None:
+    """The quiet room has no arm; what an arm would allow is not what is looked at."""
+    told: dict[str, Any] = answer.json()
+    free = {"allowed": True, "permitted": True, "needs_control": False, "reasons": []}
+    told["allowed"] = {trigger: asked | free for trigger, asked in told["allowed"].items()}
+    route.fulfill(response=answer, json=told)
 
 
 def _new_intent() -> dict[str, str]:

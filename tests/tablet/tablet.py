@@ -87,12 +87,17 @@ class Tablet:
         """Two frames: what was measured in the first is drawn in the second."""
         self.page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
+    def view(self) -> tuple[float, ...]:
+        """How the image is shown, as the page tells: CSS pixels for one of its pixels, its turn in rad, its middle."""
+        told = self.page.locator(".stage-image").first.get_attribute("data-view") or ""
+        return tuple(float(value) for value in told.split())
+
     def screen_of(self, pixel_px: Point) -> Point:
         """Where an image pixel is on the glass, by the page's own record of its view and geometry written anew here."""
         view = self.page.locator(".stage-image").first
         box = view.locator("canvas").first.bounding_box()
         assert box is not None
-        scale, angle_rad, u0, v0 = (float(value) for value in (view.get_attribute("data-view") or "").split())
+        scale, angle_rad, u0, v0 = self.view()
         offset = complex(pixel_px[0] - u0, pixel_px[1] - v0) * complex(math.cos(angle_rad), math.sin(angle_rad)) * scale
         return box["x"] + box["width"] / 2 + offset.real, box["y"] + box["height"] / 2 + offset.imag
 

@@ -1,17 +1,13 @@
 """What the page asks of the service: one reading for many events, and no motion of numbers that nobody entered."""
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
-import pytest
 from playwright.sync_api import APIResponse, Page, Route
 
-from tests.tablet.quiet_room import QuietRoom
-from tests.tablet.tablet import Tablet
+from tests.tablet.conftest import STATUS
+from tests.tablet.quiet_room import answer_as_if_all_were_allowed
 from workflow.states import State
 
-_STATUS = "**/cases/*/status"
 _EVENTS = 20
 _LOOK_EVERY_MS = 20
 _HAS_HEARD = """state => import('/js/case/live.js').then(({ events }) => events.value.at(-1)?.state === state)"""
@@ -35,30 +31,7 @@ class Readings:
     def let_go(self) -> None:
         """The newest of them."""
         route, answer = self.asked[-1]
-        _answer_as_if_all_were_allowed(route, answer)
-
-
-def _answer_as_if_all_were_allowed(route: Route, answer: APIResponse) -> None:
-    """The quiet room has no arm; what an arm would allow is not what is looked at."""
-    told: dict[str, Any] = answer.json()
-    free = {"allowed": True, "permitted": True, "needs_control": False, "reasons": []}
-    told["allowed"] = {trigger: asked | free for trigger, asked in told["allowed"].items()}
-    route.fulfill(response=answer, json=told)
-
-
-@pytest.fixture
-def allowed_at(procedure: QuietRoom, at_the_case: Callable[..., Tablet]) -> Iterator[Callable[[State], Tablet]]:
-    """A tablet at the case in some state, allowed everything; what it still asks at the end is let go."""
-    opened: list[Tablet] = []
-
-    def go(state: State) -> Tablet:
-        procedure.put(state)
-        opened.append(at_the_case())
-        opened[0].page.route(_STATUS, lambda route: _answer_as_if_all_were_allowed(route, route.fetch()))
-        return opened[0]
-
-    yield go
-    opened[0].page.unroute_all(behavior="ignoreErrors")
+        answer_as_if_all_were_allowed(route, answer)
 
 
 def test_many_events_cost_one_reading_and_nothing_is_asked_for_before_it_is_shown(procedure, allowed_at):
@@ -66,7 +39,7 @@ def test_many_events_cost_one_reading_and_nothing_is_asked_for_before_it_is_show
     primary = tablet.page.locator(".button.is-primary")
     tablet.page.locator(".button.is-primary:not([disabled])").wait_for()
     readings = Readings(tablet.page)
-    tablet.page.route(_STATUS, readings.take)
+    tablet.page.route(STATUS, readings.take)
     readings.wait_for(1)
     for _ in range(_EVENTS):
         procedure.put(State.MOVED)

@@ -1,13 +1,16 @@
 """The screens outside a procedure: a new case, the record of a past one, what the engineer looks after."""
 
 import json
+import re
 from datetime import UTC, datetime, timedelta
 from io import BytesIO
 from uuid import uuid4
 
 import numpy as np
+import pytest
 from axe_playwright_python.sync_playwright import Axe
 from PIL import Image
+from playwright.sync_api import Page
 from pydicom import dcmread
 from pydicom.uid import generate_uid
 
@@ -15,6 +18,7 @@ from service.auth.permissions import Role
 from tests.service.conftest import PIN
 from tests.tablet.picture import take_picture
 from tests.tablet.tablet import Tablet
+from workflow.states import State
 
 _MARKUPS = {
     "markups": [
@@ -37,6 +41,31 @@ _SCHEDULED = {
     "scheduled_at": "2026-11-22T08:00:00",
     "station": "OR1",
 }
+_AGES = "hours => import('/js/words.js').then(({ age }) => hours.map(age))"
+_BY_HAND = {
+    "Patient id": "P3",
+    "Study UID": "1.2.5",
+    "Name": "L4-right",
+    **{"Entry x": "-30.5", "Entry y": "85", "Entry z": "12,25"},
+    **{"Target x": "-20", "Target y": "40.125", "Target z": "4"},
+}
+
+
+@pytest.mark.lengthy
+def test_a_case_is_entered_by_hand_and_opened(room):
+    tablet = room.tablet_of(Role.SURGEON)
+    tablet.hand.tap("New case")
+    for name, typed in _BY_HAND.items():
+        tablet.hand.tap(tablet.page.get_by_label(name, exact=True))
+        tablet.page.keyboard.type(typed)
+    tablet.hand.tap("Open the case")
+    tablet.is_at("case_open")
+    tablet.page.locator(".target-card", has_text="L4-right").wait_for()
+    opened = room.abort_case()
+    planned = opened["planned_targets"]["L4-right"]
+    assert (opened["patient_id"], opened["study_uid"]) == ("P3", "1.2.5")
+    assert (planned["entry_mm"], planned["target_mm"]) == ([-30.5, 85.0, 12.25], [-20.0, 40.125, 4.0])
+    assert planned["position"] == "prone"
 
 
 def test_a_plan_from_3d_slicer_and_the_worklist_open_a_case(room):
@@ -110,7 +139,8 @@ def test_the_engineer_makes_the_daily_check_and_is_told_what_failed(room):
     assert "Switch the arm on" in failed.inner_text()
     take_picture(tablet.page, "daily_check")
     tablet.hand.tap("Cases")
-    tablet.page.get_by_role("button", name="Failed, 0 h ago").wait_for()
+    tablet.page.get_by_role("button", name=re.compile(r"Failed, (just now|\d+ min ago)")).wait_for()
+    assert tablet.page.evaluate(_AGES, [0.01, 0.5, 30.9]) == ["just now", "30 min ago", "30 h ago"]
     take_picture(tablet.page, "cases")
     assert _faults_by_axe(tablet) == []
 
@@ -129,6 +159,9 @@ def test_device_files_are_read_uploaded_and_seen_to_expire(room):
     assert "radius" in page.locator(".told").inner_text()
     assert f"good until {_soon()}, 10 days" in page.locator(".device.is-soon").inner_text()
     assert _faults_by_axe(tablet) == []
+    page.clock.set_fixed_time(datetime.now(UTC) + timedelta(days=20))
+    page.reload()
+    assert f"expired on {_soon()}" in page.locator(".device.is-over").inner_text()
 
 
 def test_the_door_speaks_every_language(room):
@@ -143,6 +176,7 @@ def test_the_door_speaks_every_language(room):
 
 
 def test_the_auditor_goes_through_the_record_of_a_case(room):
+    room.put(State.CLOSED)  # by nobody
     with room.running.client() as client:
         refused = client.post(
             f"/cases/{room.case_id}/carm-position-confirmed",
@@ -160,6 +194,8 @@ def test_the_auditor_goes_through_the_record_of_a_case(room):
     page.get_by_role("group", name="Drawn over the image").wait_for()
     hand.tap("Refusals")
     assert page.locator(".entry-line").count() == 1
+    hand.tap("Refusals")
+    _only_the_entries_of("surgeon", page)
     assert refused["code"] == "case_over"
     assert _faults_by_axe(tablet) == []
     with page.expect_download() as report:
@@ -167,9 +203,21 @@ def test_the_auditor_goes_through_the_record_of_a_case(room):
     assert report.value.path().read_bytes().startswith(b"%PDF")
 
 
+def _only_the_entries_of(person: str, page: Page) -> None:
+    """Chosen by name, and everybody's again."""
+    lines, of_person = page.locator(".entry-line"), page.locator(".entry-line", has_text=person)
+    everybody, theirs = lines.count(), of_person.count()
+    assert 0 < theirs < everybody
+    page.get_by_label("Whose entries").select_option(label=person)
+    lines.nth(theirs).wait_for(state="detached")
+    assert lines.count() == of_person.count() == theirs
+    page.get_by_label("Whose entries").select_option(label="Everybody")
+    lines.nth(everybody - 1).wait_for()
+
+
 def _entry(tablet: Tablet, words: str) -> None:
     tablet.hand.tap(tablet.page.locator(".entry-line button", has_text=words))
-    tablet.page.locator(".detail h2", has_text=words).wait_for()
+    tablet.page.locator(".detail-head h2", has_text=words).wait_for()
     tablet.page.locator(".review-seen canvas").first.wait_for()
 
 

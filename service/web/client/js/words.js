@@ -89,6 +89,16 @@ export function againstLimit(measured, limit, unit = "") {
   return t("refused.measured", { measured: words(measured), limit: words(limit) });
 }
 
+const MINUTES_PER_HOUR = 60;
+
+/** How long ago, to the minute, from the hour on to the hour. @param {number} hours */
+export function age(hours) {
+  const minutes = Math.floor(hours * MINUTES_PER_HOUR);
+  if (minutes < 1) return t("age.now");
+  if (minutes < MINUTES_PER_HOUR) return t("age.minutes", { n: minutes });
+  return t("age.hours", { n: number(Math.floor(hours), 0) });
+}
+
 /** @param {string} at ISO time */
 export function clock(at) {
   return new Date(at).toLocaleTimeString(language.value, CLOCK);

@@ -2,19 +2,23 @@
 
 import { html } from "../../vendor/preact.js";
 import { t } from "../words.js";
+import { events } from "./live.js";
 
-export const STEPS = ["case_open", "carm_positioned", "image_acquired", "registered", "target_chosen", "moved", "verified", "sleeve_inserted", "closed"];
+const STEPS = ["case_open", "carm_positioned", "image_acquired", "registered", "target_chosen", "moved", "verified", "sleeve_inserted", "closed"];
 
 const STEP_OF = {
-  moving: "moved",
   off_target: "verified",
   inserting: "sleeve_inserted",
   aborted: "closed",
 };
 
-/** @param {string} state @returns {number} -1 while held: no step is current then */
-export function stepOf(state) {
-  return STEPS.indexOf(STEP_OF[/** @type {keyof typeof STEP_OF} */ (state)] ?? state);
+// On the way between two steps, or stopped on it: the step is the one that was left last.
+const BETWEEN = new Set(["moving", "safe_hold"]);
+
+/** @param {string} state @returns {number} the step's place in the line */
+function stepOf(state) {
+  const reached = BETWEEN.has(state) ? events.value.findLast((event) => !BETWEEN.has(event.state))?.state : state;
+  return STEPS.indexOf(STEP_OF[/** @type {keyof typeof STEP_OF} */ (reached)] ?? reached ?? "");
 }
 
 /** @param {{state: string}} props */

@@ -1,8 +1,9 @@
 /** Motions that a hand asks for before the image and after the target: approach, nudge, retreat. */
 
 import { html, useState } from "../../vendor/preact.js";
-import { Refusing } from "../parts/refusing.js";
+import { Action } from "../parts/controls.js";
 import { askNumber } from "../parts/keypad.js";
+import { Refusing } from "../parts/refusing.js";
 import { status } from "../case/live.js";
 import { allowance, wantsControl } from "../case/allowing.js";
 import { TakeControl } from "../parts/control.js";
@@ -48,7 +49,7 @@ function Approach() {
     </div>
     ${missing.length > 0
       ? html`<p class="note" role="status">${t("motion.missing", { names: missing.join(", ") })}</p>`
-      : html`<div class="actions"><button class="button is-next" onClick=${() => plan("approach", { base_from_goal: goal })}>${t("motion.plan")}</button></div>`}
+      : html`<${Action} trigger="plan_requested" icon="arm" onPress=${() => plan("approach", { base_from_goal: goal })}>${t("motion.plan")}<//>`}
   `;
 }
 
@@ -61,6 +62,6 @@ function Retreat() {
   return html`
     <p class="note">${t("motion.retreat_words")}</p>
     <button class="field" onClick=${enter} data-field="distance"><span>${t("motion.distance")}</span><b>${number(distance, 0)}</b><small>mm</small></button>
-    <div class="actions"><button class="button is-next" onClick=${() => plan("retreat", { distance_mm: distance })}>${t("motion.plan")}</button></div>
+    <${Action} trigger="plan_requested" icon="arm" onPress=${() => plan("retreat", { distance_mm: distance })}>${t("motion.plan")}<//>
   `;
 }

@@ -13,10 +13,9 @@ import { day, number, plain, t, tOr } from "../words.js";
 /** @param {{caseId: string, entry: import("./entries.js").Entry}} props */
 export function Detail({ caseId, entry }) {
   return html`
+    <header class="detail-head"><h2>${tOr(`trigger.${entry.trigger}`, entry.trigger)}</h2><p class="lead">${day(entry.at)}, ${people.value[entry.userId] ?? t("review.machine")}</p></header>
     ${entry.imageId && html`<${Seen} ...${{ caseId, entry }} />`}
     <div class="detail" tabindex="0">
-      <h2>${tOr(`trigger.${entry.trigger}`, entry.trigger)}</h2>
-      <p class="lead">${day(entry.at)}, ${people.value[entry.userId] ?? t("review.machine")}</p>
       <${Said} ...${entry.told} />
       <${Measured} ...${{ caseId, entry }} />
       ${entry.verdicts.length > 0 && html`<${Verdicts} verdicts=${entry.verdicts} />`}

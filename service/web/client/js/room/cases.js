@@ -6,7 +6,7 @@ import { Primary, Waiting } from "../parts/controls.js";
 import { Head } from "../parts/head.js";
 import { StopBar } from "../parts/stop.js";
 import { session } from "../session.js";
-import { day, number, t } from "../words.js";
+import { age, day, t } from "../words.js";
 import { goTo, people, room } from "./room.js";
 
 export function Cases() {
@@ -38,7 +38,7 @@ function List({ cases }) {
 /** The way to the daily check, with how the newest one ended. */
 function CheckButton() {
   const last = room.value?.daily_check;
-  const told = last ? `${t(last.passed ? "check.passed" : "check.failed")}, ${t("check.age", { h: number(last.age_h, 0) })}` : t("check.none");
+  const told = last ? `${t(last.passed ? "check.passed" : "check.failed")}, ${age(last.age_h)}` : t("check.none");
   return html`<button class="button check-button ${last?.passed ? "is-good" : "is-grave"}" onClick=${() => goTo("check")}>
     <i class="icon icon-${last?.passed ? "check" : "cross"}"></i><span>${t("check.title")}<small>${told}</small></span>
   </button>`;

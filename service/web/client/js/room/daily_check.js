@@ -7,7 +7,7 @@ import { Head } from "../parts/head.js";
 import { StopBar } from "../parts/stop.js";
 import { Told } from "../parts/told.js";
 import { keepAwake, session } from "../session.js";
-import { day, number, plain, t, tOr } from "../words.js";
+import { age, day, plain, t, tOr } from "../words.js";
 import { goTo, noteRefusal, people, readRoom, room } from "./room.js";
 
 const LOOK_EVERY_MS = 1000;
@@ -76,7 +76,7 @@ function LastCheck() {
   if (!last) return html`<p class="banner">${t("check.none")}</p>`;
   return html`<section class="banner ${last.passed ? "is-good" : "is-alarm"}">
     <p class="title">${t(last.passed ? "check.passed" : "check.failed")}</p>
-    <p>${day(last.at)}, ${people.value[last.user_id] ?? "?"}. ${t("check.age", { h: number(last.age_h, 1) })}</p>
+    <p>${day(last.at)}, ${people.value[last.user_id] ?? "?"}. ${age(last.age_h)}</p>
   </section>`;
 }
 

@@ -50,9 +50,10 @@ export function Errors({ contour, paper, anatomy_shift: anatomy }) {
   const angle = contour.angle_error_deg + bounds.angle_deg;
   const position = contour.position_error_mm + bounds.position_mm;
   const sum = (/** @type {number} */ error, /** @type {number} */ bound) => t("verify.sum", { error: number(error, 3), bound: number(bound, 3) });
-  return html`<${Figures}>
+  return html`<${Figures} areTiles>
     <${Row} name=${t("verify.angle")} value=${number(angle, 3)} unit="°" limit=${`${sum(contour.angle_error_deg, bounds.angle_deg)}; ${t("limit.at_most", { value: number(limits?.angle_error_deg, 1) })}`} holds=${angle <= (limits?.angle_error_deg ?? 0)} />
     <${Row} name=${t("verify.position")} value=${number(position, 3)} unit="mm" limit=${`${sum(contour.position_error_mm, bounds.position_mm)}; ${t("limit.at_most", { value: number(limits?.position_error_mm, 1) })}`} holds=${position <= (limits?.position_error_mm ?? 0)} />
+  <//><${Figures}>
     <${Row} name=${t("verify.paper")} value=${`${number(paper.angle_error_deg, 3)}° / ${number(paper.position_error_mm, 3)}`} unit="mm" />
     ${anatomy?.measured && html`<${Row} name=${t("verify.anatomy")} value=${`${number(anatomy.across_mm, 2)} / ${number(anatomy.along_mm, 2)}`} unit="mm" />`}
   <//>`;
