@@ -1,5 +1,6 @@
 """H08: the pixel under the finger is the one that the service understands, at every zoom, pan, turn and pixel ratio."""
 
+import base64
 import io
 import math
 from collections.abc import Callable, Iterator
@@ -21,6 +22,12 @@ _SEEN_WITHIN = 0.5  # device pixels: half of the least that a screen can show
 _TAPS = 6
 _FEW_TAPS = 2
 _HALF = 110  # CSS pixels of the patch that is compared around a point
+_AROUND_PX = 15  # half of what the loupe shows, and less
+_LOUPE_TIMES = 4.0  # as the loupe says of itself
+_BAR = 4.0  # CSS pixels to each side of the cross's lines, with their dark edge
+# A new canvas is wider than high; it gets its size as it is drawn.
+_LOUPE_IS_DRAWN = "() => [...document.querySelectorAll('canvas.loupe')].some(({ width, height }) => width === height)"
+_LOUPE = "document.querySelector('canvas.loupe').toDataURL('image/png').split(',')[1]"
 
 
 @pytest.fixture
@@ -109,6 +116,24 @@ def test_what_is_seen_at_a_place_is_the_pixel_of_that_place(screen, at_the_image
         assert np.linalg.norm(aside) <= _SEEN_WITHIN
 
 
+@pytest.mark.lengthy
+@pytest.mark.parametrize("ratio", [1.0, 2.625])
+def test_the_loupe_shows_the_picked_pixel_in_its_middle(at_the_image, pixels, ratio):
+    """Its picture against the image as it arrived, magnified about the picked pixel by OpenCV."""
+    tablet, random = at_the_image(ratio), np.random.default_rng(11)
+    for _ in range(_FEW_TAPS):
+        tablet.hand.tap("Turn the view right", times=2)
+        tablet.settle()
+        seen_points = _points_in_sight(tablet, pixels, random)
+        tablet.hand.put_down([tablet.screen_of(next(one for one in seen_points if _is_by_an_edge(pixels, one)))])
+        tablet.page.wait_for_function(_LOUPE_IS_DRAWN)
+        seen = _decoded(base64.b64decode(tablet.page.evaluate(_LOUPE)))
+        expected = _magnified(tablet, pixels, seen.shape[0], ratio)
+        tablet.hand.lift()
+        aside = _shift(seen, expected, _beside_the_cross(seen.shape[0], ratio))
+        assert np.linalg.norm(aside) <= _SEEN_WITHIN
+
+
 def test_an_arrow_moves_the_point_by_a_quarter_pixel(at_the_image):
     tablet = at_the_image(1.0)
     tablet.hand.tap("Whole")
@@ -134,10 +159,14 @@ def _corner(middle: tuple[float, float], ratio: float) -> np.ndarray:
     return np.floor((np.array(middle) - _HALF) * ratio)
 
 
+def _decoded(png: bytes) -> np.ndarray:
+    return np.asarray(cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_GRAYSCALE), dtype=np.float32)
+
+
 def _seen(tablet: Tablet, middle: tuple[float, float], ratio: float) -> np.ndarray:
-    shot = cv2.imdecode(np.frombuffer(tablet.page.screenshot(), np.uint8), cv2.IMREAD_GRAYSCALE)
+    shot = _decoded(tablet.page.screenshot())
     (left, top), side = _corner(middle, ratio).astype(int), round(2 * _HALF * ratio)
-    return np.asarray(shot[top : top + side, left : left + side], dtype=np.float32)
+    return shot[top : top + side, left : left + side]
 
 
 def _expected(tablet: Tablet, pixels: np.ndarray, middle: tuple[float, float], ratio: float) -> np.ndarray:
@@ -151,10 +180,36 @@ def _expected(tablet: Tablet, pixels: np.ndarray, middle: tuple[float, float], r
     return cv2.warpAffine(pixels, warp, (side, side), flags=cv2.INTER_LINEAR)
 
 
-def _shift(seen: np.ndarray, expected: np.ndarray) -> np.ndarray:
+def _is_by_an_edge(pixels: np.ndarray, point: tuple[float, float]) -> bool:
+    """Whether there is something to be seen around a point: as much contrast as in the whole image."""
+    u_px, v_px = (round(value) for value in point)
+    around = pixels[v_px - _AROUND_PX : v_px + _AROUND_PX, u_px - _AROUND_PX : u_px + _AROUND_PX]
+    return bool(around.std() > pixels.std())
+
+
+def _magnified(tablet: Tablet, pixels: np.ndarray, side: int, ratio: float) -> np.ndarray:
+    """Grey levels of the loupe's device pixels, the picked pixel in its middle."""
+    scale, angle_rad, *_ = tablet.view()
+    times = max(scale * _LOUPE_TIMES, _LOUPE_TIMES) * ratio
+    turn = times * np.array([[math.cos(angle_rad), -math.sin(angle_rad)], [math.sin(angle_rad), math.cos(angle_rad)]])
+    # Device pixel k covers k .. k + 1, so the middle of the loupe is at side / 2 - 0.5.
+    shift = side / 2 - 0.5 - turn @ np.array(tablet.picked_px())
+    return cv2.warpAffine(pixels, np.column_stack([turn, shift]), (side, side), flags=cv2.INTER_LINEAR)
+
+
+def _beside_the_cross(side: int, ratio: float) -> np.ndarray:
+    """Device pixels of the loupe that its cross leaves free: all but two bars."""
+    from_middle = np.abs(np.arange(side) + 0.5 - side / 2) / ratio
+    on_bar = from_middle < _BAR
+    return np.uint8(~(on_bar[:, None] | on_bar[None, :])) * 255
+
+
+def _shift(seen: np.ndarray, expected: np.ndarray, mask: np.ndarray | None = None) -> np.ndarray:
     """Device pixels by which the one lies beside the other."""
-    moved = np.eye(2, 3, dtype=np.float32)
-    likeness, moved = cv2.findTransformECC(_detail(expected), _detail(seen), moved, cv2.MOTION_TRANSLATION)
+    moved, until = np.eye(2, 3, dtype=np.float32), (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 200, 1e-6)
+    likeness, moved = cv2.findTransformECC(
+        _detail(expected), _detail(seen), moved, cv2.MOTION_TRANSLATION, until, mask, 5
+    )
     assert likeness > 0.5, "the two pictures are not of the same place"
     return np.asarray(moved[:, 2], dtype=np.float64)
 
