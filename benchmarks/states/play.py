@@ -7,7 +7,7 @@ from typing import Any
 from uuid import uuid4
 
 from benchmarks.states.images import Sender
-from benchmarks.states.model import CHAIN, OVER, Model
+from benchmarks.states.model import CHAIN, INSERTION, OVER, Model
 from benchmarks.states.refusals import Refused, World, refusal
 from benchmarks.states.requests import LISTED
 from benchmarks.states.room import TARGET, Answer, Room
@@ -121,6 +121,8 @@ class Play:
 
     def compare(self) -> None:
         """The status of the case, once it has as many events as the model."""
+        if self.model.state in INSERTION and self.room.guard.readings.program_running:
+            self.model.held("fault")  # the service itself stops a program that runs while a sleeve is in
         status = self._status()
         self.version = status["version"]
         self.furthest = max(self.furthest, self.model.state, key=_how_far)

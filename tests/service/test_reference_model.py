@@ -8,7 +8,7 @@ from benchmarks.states.model import Model
 from benchmarks.states.room import Room, scripted_room
 from benchmarks.states.sequences import STEPS, played
 
-_SEEDS = (101, 102)
+_SEEDS = (10, 102)  # in the first a program runs while a sleeve is in
 
 
 @pytest.fixture(scope="module")
