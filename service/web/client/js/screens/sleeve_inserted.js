@@ -1,4 +1,4 @@
-/** Step 9: the sleeve is in; it comes out, and the attempt is closed. */
+/** Step 8: the sleeve is in; it comes out, and the attempt is closed. */
 
 import { html } from "../../vendor/preact.js";
 import { allowance } from "../case/allowing.js";
