@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from vision.conics import Ellipse, ellipse_from_conic
 from vision.devices import Guide
+from vision.ellipse_forms import semi_axes
 from vision.projection import View, project, ring_conic
 
 Array = NDArray[np.float64]
@@ -34,6 +35,13 @@ def is_one_ring(one: Ellipse, other: Ellipse, within: float = _ONE_RING_WITHIN) 
 def is_beside(rings: Iterable[Ellipse], known: Iterable[Ellipse]) -> bool:
     """Whether no ring is one of those known of a guide."""
     return not any(is_one_ring(ring, own, _BESIDE_RING) for ring, own in itertools.product(rings, known))
+
+
+def may_be_hidden(forms: Array, known: Iterable[Ellipse]) -> bool:
+    """Whether one of the ellipses (h, 5) that a ring may have lies on a known ring, beneath which it is not found."""
+    measures = np.column_stack((forms[:, :2], *semi_axes(forms)))
+    apart_px = ((np.abs(measures - (*ring.centre_px, *ring.semi_axes_px)).max(axis=1), ring) for ring in known)
+    return any(bool((px < _BESIDE_RING * ring.semi_axes_px[0]).any()) for px, ring in apart_px)
 
 
 def lies_on(view: View, guide: Guide, known_view: View, known_guide: Guide, within: float = _ONE_RING_WITHIN) -> bool:

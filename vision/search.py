@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,8 +13,9 @@ from vision.detection import QUICK, THOROUGH, Effort, RingCandidate
 from vision.devices import CArm, Guide
 from vision.first_pose import LEAST_LINE_CONTRAST, FirstView, RingView, first_views
 from vision.measuring import Scene
+from vision.other_ring import other_rings
 from vision.refusal import Refusal, RefusalCode
-from vision.ring_likeness import is_beside, is_one_ring, lies_on, rings_of
+from vision.ring_likeness import is_beside, is_one_ring, lies_on, may_be_hidden, rings_of
 from vision.solution import Attempt, Round, Solution, solve
 from vision.wire_model import sample_wires
 
@@ -96,7 +97,22 @@ def _with_others(found: Search, solution: Solution, scene: Scene, image: Correct
     if not beside:
         return found
     others = completed(found.candidates, beside, left, scene.guide, scene.priors)
-    return found if isinstance(others.pairs, Refusal) else _tried(others, found.attempts, found.passed, scene, image)
+    if not isinstance(others.pairs, Refusal):
+        found = _tried(others, found.attempts, found.passed, scene, image)
+    return _without_hidden(found, beside, scene)
+
+
+def _without_hidden(found: Search, beside: list[RingCandidate], scene: Scene) -> Search:
+    """The search; its solution refused where it may hide the other ring of a guide of which one ring is left over."""
+    if isinstance(found.outcome, Refusal):
+        return found
+    own = rings_of(found.outcome.fit.view, found.outcome.fit.guide)
+    clear = (ring.ellipse for ring in beside if ring.support > _HARDLY_THERE)
+    others = (other_rings(ring, scene.guide, scene.priors.nominal) for ring in clear)
+    if not any(may_be_hidden(forms, own) for forms in others):
+        return found
+    message = "guides that may be in the image, by a ring whose other one may lie on this guide's"
+    return replace(found, outcome=Refusal(RefusalCode.AMBIGUOUS, message, 2, 1))
 
 
 def _clear_beside(rings: list[RingCandidate], solution: Solution) -> list[RingCandidate]:

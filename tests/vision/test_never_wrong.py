@@ -19,7 +19,11 @@ WRONG_DEG, WRONG_MM = 0.5, 1.0
 _SMALL_PX, _FIELD_MM = 512, 360.0
 _SEEDS, _SMALL_SEEDS = range(7), (2, 4, 6)
 # accepted and wrong, once, as the separation's 1; and more where nothing is wrong
-_MORE = {Fault.SEPARATION: (7, 15), Fault.SECOND_GUIDE: (16, 19, 27, 35, 47, 10054), Fault.NOTHING: range(7, 10)}
+_MORE = {
+    Fault.SEPARATION: (7, 15),
+    Fault.SECOND_GUIDE: (16, 19, 27, 35, 47, 10054, 700224),
+    Fault.NOTHING: range(7, 10),
+}
 _ALWAYS_REFUSED = {
     Fault.MIRRORED: {RefusalCode.MIRRORED, RefusalCode.BEAD_MISSING},
     Fault.LINE_HIDDEN: {RefusalCode.LINE_MISSING, RefusalCode.GUIDE_MISMATCH},
