@@ -41,7 +41,7 @@ def procedures(folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
             held = room.procedure()
             used.append(room.used())
             last = number == numbers[-1]
-            said = (leaking(used) or growing(used) or room.unverified()) if last else ""
+            said = "; ".join(filter(None, (leaking(used), growing(used), room.unverified()))) if last else ""
             tries = f"begun anew after {', '.join(held)}" if held else "held nowhere"
             kind = f"{len(used)} in one process, {told(used)}" if last else tries
             descriptors, memory_mb = used[-1]
