@@ -3,6 +3,8 @@ PYTHON ?= python3.11
 VENV   := .venv
 BENCH_VENV := .venv-bench
 BIN    := $(VENV)/bin
+# Hours of results, which go on where they ended: a new environment must not take them away.
+RESULTS := var
 PIP    := $(BIN)/pip install --quiet --disable-pip-version-check
 # Many small matrices: threads of the linear algebra only fight over two cores.
 export OMP_NUM_THREADS := 1
@@ -42,10 +44,10 @@ tests: $(VENV)/.test
 
 bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; COUNT=2000 trials of KINDS, or MINUTES, in ROOMS=1, kinds side by side; kept in FOLDER
 	$(BIN)/python -m benchmarks.stop --count $(or $(COUNT),2000) $(if $(KINDS),--kinds $(KINDS)) \
-	  $(if $(MINUTES),--minutes $(MINUTES)) --rooms $(or $(ROOMS),1) --folder $(or $(FOLDER),$(VENV)/stop)
+	  $(if $(MINUTES),--minutes $(MINUTES)) --rooms $(or $(ROOMS),1) --folder $(or $(FOLDER),$(RESULTS)/stop)
 
 evidence: $(VENV)/.test  ## sequences against a model, kills, a soak, power cuts, full disks, flipped bits, contested permits, hostile input, and docs/evidence.md; goes on where it ended; SHARE=1 of ITEMS (0: the page alone), PROCESSES=2; results kept in FOLDER
-	$(BIN)/python -m benchmarks.evidence --folder $(or $(FOLDER),$(VENV)/evidence) --share $(or $(SHARE),1) \
+	$(BIN)/python -m benchmarks.evidence --folder $(or $(FOLDER),$(RESULTS)/evidence) --share $(or $(SHARE),1) \
 	  --processes $(or $(PROCESSES),2) $(if $(ITEMS),--items $(ITEMS)) --page docs/evidence.md
 
 fault-matrix: $(VENV)/.test  ## every fault in every state of a motion, over the real protocols
@@ -74,13 +76,13 @@ bench: $(VENV)/.runtime  ## time register against OpenCV on the images of SAMPLE
 	$(BIN)/python benchmarks/speed.py $(SAMPLES)
 
 bench-service: $(VENV)/.runtime  ## from an image to its registration on a tablet, all cores busy: COUNT=100 images; results kept in FOLDER
-	$(BIN)/python benchmarks/service_latency.py --count $(or $(COUNT),100) --folder $(or $(FOLDER),$(VENV)/service-latency)
+	$(BIN)/python benchmarks/service_latency.py --count $(or $(COUNT),100) --folder $(or $(FOLDER),$(RESULTS)/service-latency)
 
 bench-load: $(VENV)/.runtime  ## what a command takes while fifty screens follow the case and images are registered; SECONDS=60
 	$(BIN)/python benchmarks/load.py --seconds $(or $(SECONDS),60)
 
 bench-archive: $(VENV)/.runtime  ## what each command and list takes in a room with CASES=10000 closed cases, and in one with none; kept in FOLDER
-	$(BIN)/python -m benchmarks.archive --cases $(or $(CASES),10000) --folder $(or $(FOLDER),$(VENV)/archive)
+	$(BIN)/python -m benchmarks.archive --cases $(or $(CASES),10000) --folder $(or $(FOLDER),$(RESULTS)/archive)
 
 bench-senders: $(VENV)/.runtime  ## how long a permit's commit waits while four C-arms send COUNT=100 images each (needs dcmtk); SEED=0
 	$(BIN)/python benchmarks/four_senders.py --count $(or $(COUNT),100) --seed $(or $(SEED),0)
@@ -99,11 +101,11 @@ efficiency: $(VENV)/.runtime  ## targeting error against the bound by the pixels
 
 coverage: $(VENV)/.runtime  ## are the predicted 95 % bounds true: COUNT=1000 scenes, PROCESSES=2; results kept in FOLDER
 	$(BIN)/python benchmarks/coverage.py --count $(or $(COUNT),1000) --processes $(or $(PROCESSES),2) \
-	  --folder $(or $(FOLDER),$(VENV)/coverage)
+	  --folder $(or $(FOLDER),$(RESULTS)/coverage)
 
 faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong each, or of FAULTS=nothing, from seed FIRST=0, PROCESSES=2; results kept in FOLDER
 	$(BIN)/python benchmarks/faulted.py --count $(or $(COUNT),1000) --first $(or $(FIRST),0) --processes $(or $(PROCESSES),2) \
-	  $(if $(FAULTS),--faults $(FAULTS)) --folder $(or $(FOLDER),$(VENV)/faulted)
+	  $(if $(FAULTS),--faults $(FAULTS)) --folder $(or $(FOLDER),$(RESULTS)/faulted)
 
 interlock-removal: $(VENV)/.test  ## take each interlock out in turn and say which test of the rules fails: INTERLOCKS="at_rest pin"
 	$(BIN)/python -m benchmarks.interlock_removal $(if $(INTERLOCKS),--interlocks $(INTERLOCKS))
@@ -112,7 +114,7 @@ check-removal: $(VENV)/.test  ## the same with each check of the guard: CHECKS="
 	$(BIN)/python -m benchmarks.check_removal $(if $(CHECKS),--checks $(CHECKS))
 
 mutation: $(VENV)/.test  ## change each part of the rules and of the guard in turn: does a test notice? and docs/mutation.md; goes on where it ended; results kept in FOLDER
-	$(BIN)/python -m benchmarks.mutation --folder $(or $(FOLDER),$(VENV)/mutation) --page docs/mutation.md
+	$(BIN)/python -m benchmarks.mutation --folder $(or $(FOLDER),$(RESULTS)/mutation) --page docs/mutation.md
 
 audit-bench: $(VENV)/.runtime  ## how fast the ledger is written, verified (COUNT=20000 entries) and read (PAGES=1000000)
 	$(BIN)/python benchmarks/audit.py --count $(or $(COUNT),20000) --pages $(or $(PAGES),1000000)
@@ -125,7 +127,7 @@ replay-bench: $(VENV)/.runtime  ## how fast CASES=40 past cases are replayed by 
 
 side-by-side: $(BENCH_VENV)/.ready  ## other methods on the same images and rooms: COUNT=6 images a group, ROOMS=20; results and plots kept in FOLDER
 	$(BENCH_VENV)/bin/python -m benchmarks.side_by_side --count $(or $(COUNT),6) --rooms $(or $(ROOMS),20) \
-	  --folder $(or $(FOLDER),$(BENCH_VENV)/side-by-side)
+	  --folder $(or $(FOLDER),$(RESULTS)/side-by-side)
 
 tcp: $(VENV)/.runtime  ## recover a planted TCP error from images, in rooms with every error; COUNT=10 of them
 	$(BIN)/python benchmarks/tcp.py --count $(or $(COUNT),10)

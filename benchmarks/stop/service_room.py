@@ -1,7 +1,7 @@
 """The whole service over a controller, pressed by clients over HTTP: release, stop, SIGKILL, and what must not stop."""
 
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -187,9 +187,15 @@ class ServiceRoom:
     def _calm(self) -> None:
         """A case that may move again."""
         until(lambda: self._case.status()["arm"]["connected"], 60.0)
-        if self._case.wait_for("safe_hold", "case_open", "carm_positioned")["state"] == "safe_hold":
-            self._case.command("acknowledged", guide="empty")
-        until(lambda: self._case.status()["arm"]["phase"] == "idle")
+        until(self._is_calm, 60.0)
+
+    def _is_calm(self) -> bool:
+        """Whether the case may move; acknowledged as often as a crowded machine has the arm held."""
+        status = self._case.status()
+        if status["state"] == "safe_hold":
+            with suppress(Refused):  # an arm that is not heard of just now
+                self._case.command("acknowledged", guide="empty")
+        return status["state"] in ("case_open", "carm_positioned") and status["arm"]["phase"] == "idle"
 
     def _new_case(self) -> None:
         if self._room.status()["open_case"] is not None:

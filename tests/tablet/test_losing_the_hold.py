@@ -116,6 +116,13 @@ def _hide(held: Held) -> None:
     )
 
 
+def _another_page(held: Held) -> None:
+    """One that comes to the front; Playwright, unless told not to, has every page believe that it has the focus."""
+    page = held.tablet.page
+    page.context.new_cdp_session(page).send("Emulation.setFocusEmulationEnabled", {"enabled": False})
+    page.context.new_page().bring_to_front()
+
+
 def _second_finger(held: Held) -> None:
     hand = held.tablet.hand
     hand.put_down([hand.middle_of(held.tablet.page.locator(".hold")), (40.0, 300.0)])
@@ -147,6 +154,7 @@ WAYS: dict[str, tuple[Callable[[Held], object], str]] = {
     "second finger": (_second_finger, "A second finger"),
     "slipped off": (_slip, "slipped off"),
     "focus lost": (_say("blur"), "lost the focus"),
+    "another page in front": (_another_page, "lost the focus"),
     "hidden": (_hide, "was hidden"),
     "page hidden for good": (_say("pagehide"), "The page was left"),
     "page frozen": (_say("freeze", "document"), "The page was left"),
