@@ -38,8 +38,8 @@ _ALWAYS_REFUSED = {
 _DRAWN = [(fault, seed) for fault in Fault for seed in (*_SEEDS, *_MORE.get(fault, ()))]
 
 
-def test_two_hundred_scenes_are_drawn() -> None:
-    assert len(set(_DRAWN)) == 200
+def test_at_least_two_hundred_scenes_are_drawn() -> None:
+    assert len(set(_DRAWN)) >= 200
 
 
 @pytest.mark.hazard("H07")
