@@ -3,9 +3,10 @@
     python benchmarks/faulted.py --folder FOLDER [--count N] [--first SEED] [--processes P] [--faults NAME ...]
 
 Scenes are drawn by fault and seed; N counts them over all faults, in turn, `nothing` included. Every result is a line
-of FOLDER/results.jsonl; a run goes on where the last one ended. The figures, with 95 % bounds by Clopper and Pearson,
-are printed and written to FOLDER/summary.json. The guide's file is the reference guide's, whose tolerances the scenes
-are drawn with. Exit status 1 where any accepted result is wrong.
+of FOLDER/results-CODE.jsonl, CODE the fingerprint of what was run; a run of the same code goes on where the last one
+ended. The figures, with 95 % bounds by Clopper and Pearson, are printed and written to FOLDER/summary.json. The guide's
+file is the reference guide's, whose tolerances the scenes are drawn with. Exit status 1 where any accepted result is
+wrong.
 """
 
 import argparse
@@ -21,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import cv2
+from evidence.code import fingerprint
 from kept import keep_line, kept_lines
 from samples import Sample, Score, scored
 from scipy.stats import binomtest
@@ -37,6 +39,9 @@ _GUIDE = read_guide((_ROOT / "tests" / "devices" / "guide.toml").read_bytes())  
 _CARMS = _ROOT / "simulator" / "devices"
 _INTENSIFIER = read_carm((_CARMS / "carm-intensifier.toml").read_bytes())
 _FLAT_PANEL = read_carm((_CARMS / "carm-flat-panel.toml").read_bytes())
+_RUN = ("benchmarks.faulted", "benchmarks.samples", "simulator.carm.faulted", "simulator.carm.quick_render")
+_FILES = ("tests/devices/guide.toml", "simulator/devices/*.toml")
+_TELL_EVERY_S = 5.0
 _PLANNED = 100_000  # scenes, for the time they would take
 
 
@@ -93,14 +98,15 @@ def run(todo: Sequence[tuple[Fault, int]], path: Path, processes: int) -> list[R
     """Results of scenes, each written as it comes."""
     if not todo:
         return []
-    started_s, results = time.monotonic(), []
+    started_s, told_s, results = time.monotonic(), 0.0, []
     with ProcessPoolExecutor(processes, initializer=cv2.setNumThreads, initargs=(1,)) as pool:
         for done in pool.map(result, *zip(*todo, strict=True), chunksize=8):
             results.append(done)
             keep_line(path, asdict(done))
-            left_min = (time.monotonic() - started_s) / len(results) * (len(todo) - len(results)) / 60.0
-            print(f"\r{len(results)} of {len(todo)}, {left_min:.0f} min left ", end="", file=sys.stderr, flush=True)
-    print(file=sys.stderr)
+            if time.monotonic() - told_s > _TELL_EVERY_S:
+                told_s = time.monotonic()
+                left_min = (told_s - started_s) / len(results) * (len(todo) - len(results)) / 60.0
+                print(f"{len(results)} of {len(todo)}, {left_min:.0f} min left", file=sys.stderr, flush=True)
     return results
 
 
@@ -181,7 +187,7 @@ def main() -> None:
     parser.add_argument("--faults", nargs="+", type=Fault, default=list(Fault), help="by default all")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
-    path = options.folder / "results.jsonl"
+    path = options.folder / f"results-{fingerprint(_RUN, _FILES)}.jsonl"
     results = kept(path)
     known = {(one.fault, one.seed) for one in results}
     todo = [scene for scene in scenes(options.count, options.first, options.faults) if scene not in known]

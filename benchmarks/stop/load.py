@@ -1,4 +1,4 @@
-"""What keeps the machine busy: a burner for each core, and the real image worker without a pause.
+"""What keeps the machine busy: a burner for each core or a command, and the real image worker without a pause.
 
 python -m benchmarks.stop.load burn|images
 """
@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from types import TracebackType
 from typing import Self
@@ -29,13 +29,15 @@ _FULL_AGAIN_S = 0.1  # the image worker, which runs behind everything else, has 
 class Load:
     """Processes that run for as long as the context, but for what is prepared between two trials."""
 
-    def __init__(self, wanted: bool = True) -> None:
-        self._jobs = ["burn"] * (os.cpu_count() or 1) + ["images"] if wanted else []
+    def __init__(self, wanted: bool = True, busy: Sequence[str] = ()) -> None:
+        """`busy`: a command that keeps every core busy in place of the burners."""
+        own = [sys.executable, "-m", "benchmarks.stop.load"]
+        burners = [busy] if busy else [[*own, "burn"]] * (os.cpu_count() or 1)
+        self._commands = [*burners, [*own, "images"]] if wanted else []
         self._processes: list[subprocess.Popen[bytes]] = []
 
     def __enter__(self) -> Self:
-        command = [sys.executable, "-m", "benchmarks.stop.load"]
-        self._processes = [subprocess.Popen([*command, job], start_new_session=True) for job in self._jobs]
+        self._processes = [subprocess.Popen(command, start_new_session=True) for command in self._commands]
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
