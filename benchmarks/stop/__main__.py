@@ -1,7 +1,7 @@
 """How soon a stop is on the wire while both cores burn and images are registered.
 
     python -m benchmarks.stop --folder FOLDER [--count N] [--kinds KIND ...] [--minutes M] [--rooms R]
-                              [--idle | --busy COMMAND]
+                              [--idle | --busy COMMAND ...]
 
 Kinds: heartbeat (lost link: beyond the 200 ms of silence), release, stop (by HTTP, every role), stop_elsewhere (in the
 states that it takes images to reach, for which the load pauses; a tenth as many), kill_service (the next one forked
@@ -11,8 +11,8 @@ network that jitters by 40 ms: how many do not arrive; half as many as of the ot
 its own whose log, on the monotonic clock of the machine, is the witness. Controller, network and the clients run before
 the load where the system lets them; it pauses while a service starts. Every trial is a line of FOLDER/KIND.jsonl, and a
 run goes on where the last one ended, however it ended; FOLDER/summary.json has the figures of all that are there. Exit
-status 1 where a limit is missed. --minutes: begin no trial after so long. --idle: no load. --busy: a long calculation
-on every core, and outlasting the run, in place of the burners; it is stopped amid whatever it does.
+status 1 where a limit is missed. --minutes: begin no trial after so long. --idle: no load. --busy, once for each core:
+a calculation that outlasts the run, in place of the burners; it is stopped amid whatever it does.
 --rooms: so many side by side beside one load, which then never pauses; a kind in each, taken in turn, with a folder of
 its own; one that is named twice is divided between two. They disturb one another, as a room by itself is not disturbed.
 """
@@ -140,7 +140,7 @@ def main() -> int:
     parser.add_argument("--rooms", type=int, default=1)
     by = parser.add_mutually_exclusive_group()
     by.add_argument("--idle", action="store_true")
-    by.add_argument("--busy", type=shlex.split, default=(), metavar="COMMAND")
+    by.add_argument("--busy", type=shlex.split, action="append", default=[], metavar="COMMAND")
     chosen = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended"))  # by the ways of every process that was started
     end_s = time.monotonic() + 60.0 * chosen.minutes

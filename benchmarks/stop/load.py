@@ -1,4 +1,4 @@
-"""What keeps the machine busy: a burner for each core or a command, and the real image worker without a pause.
+"""What keeps the machine busy: a burner for each core or other commands, and the real image worker without a pause.
 
 python -m benchmarks.stop.load burn|images
 """
@@ -29,10 +29,10 @@ _FULL_AGAIN_S = 0.1  # the image worker, which runs behind everything else, has 
 class Load:
     """Processes that run for as long as the context, but for what is prepared between two trials."""
 
-    def __init__(self, wanted: bool = True, busy: Sequence[str] = ()) -> None:
-        """`busy`: a command that keeps every core busy in place of the burners."""
+    def __init__(self, wanted: bool = True, busy: Sequence[Sequence[str]] = ()) -> None:
+        """`busy`: commands that keep the cores busy in place of the burners."""
         own = [sys.executable, "-m", "benchmarks.stop.load"]
-        burners = [busy] if busy else [[*own, "burn"]] * (os.cpu_count() or 1)
+        burners = busy or [[*own, "burn"]] * (os.cpu_count() or 1)
         self._commands = [*burners, [*own, "images"]] if wanted else []
         self._processes: list[subprocess.Popen[bytes]] = []
 
