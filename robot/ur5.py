@@ -30,7 +30,7 @@ _RUNTIME_STOPPED = (0, 1)  # stopping, stopped; a paused program could be resume
 _TORN_READS = 3
 _CLOSING_S = 2.0
 # The library's destructor sleeps half a second in which no other thread runs and no stop could be sent: closed
-# interfaces, which hold nothing any more, are kept until the process ends.
+# interfaces are kept until the process ends (docs/decisions/0011).
 _CLOSED: list[RTDEControlInterface] = []
 
 
