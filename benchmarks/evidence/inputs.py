@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import NamedTemporaryFile, TemporaryDirectory
 
 import numpy as np
 from argon2 import PasswordHasher
@@ -34,7 +34,9 @@ def prepare_all(inputs: Path) -> None:
     _make(inputs / WHOLE, lambda folder: prepare(folder, small=False))
     _make(inputs / RECORDED, lambda folder: _record(inputs / SMALL, folder))
     if not (inputs / CALLS).exists():
-        (inputs / CALLS).write_text("\n".join(writing_calls(_recorded_calls(inputs / SMALL))))
+        with NamedTemporaryFile("w", dir=inputs, delete=False) as calls:
+            calls.write("\n".join(writing_calls(_recorded_calls(inputs / SMALL))))
+        Path(calls.name).replace(inputs / CALLS)
 
 
 def prepare(folder: Path, *, small: bool) -> None:
@@ -49,14 +51,18 @@ def prepare(folder: Path, *, small: bool) -> None:
 
 
 def _make(folder: Path, fill: Callable[[Path], None]) -> None:
-    """A folder that is whole or not there."""
+    """A folder that is whole or not there; of two runs that make it at once the first to be done has made it."""
     if folder.exists():
         return
     with TemporaryDirectory(dir=folder.parent) as place:
         begun = Path(place) / "data"
         begun.mkdir()
         fill(begun)
-        begun.rename(folder)
+        try:
+            begun.rename(folder)
+        except OSError:
+            if not folder.exists():
+                raise
 
 
 def _cropped(image: bytes) -> bytes:

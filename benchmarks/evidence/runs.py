@@ -101,7 +101,15 @@ def _end(*_: Any) -> None:
 
 
 def _run_part(name: str, folder: Path, inputs: Path, numbers: Sequence[int]) -> None:
-    """Some trials, each kept as soon as it is done."""
+    """Some trials, unless this process is asked to end."""
+    try:
+        _run_trials(name, folder, inputs, numbers)
+    except (SystemExit, KeyboardInterrupt):  # all is cleared away; the pool would take it for a part that failed
+        os._exit(1)
+
+
+def _run_trials(name: str, folder: Path, inputs: Path, numbers: Sequence[int]) -> None:
+    """Each kept as soon as it is done."""
     item = next(item for item in ITEMS if item.name == name)
     at, before_s = commit(), _spent_s(item)
     for trial in item.trials(inputs, numbers):
