@@ -31,7 +31,6 @@ def _blurred(intensity: Array32, exposure: Exposure) -> Array32:
     spread = cv2.GaussianBlur(intensity, (0, 0), exposure.blur_px)
     if exposure.motion_px > 0.0:
         spread = cv2.filter2D(spread, -1, _streak(exposure.motion_px, exposure.motion_rad))
-        spread = np.maximum(spread, np.float32(0.0))  # a long streak is drawn by Fourier, which rounds below nothing
     return np.asarray(spread, dtype=np.float32)
 
 

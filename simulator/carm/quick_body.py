@@ -98,6 +98,8 @@ def _round(start: Array, steps: Array, x: Array32, y: Array32) -> tuple[Array32,
     a = _quadratic(steps.T @ steps, x, y)
     rest = _quadratic(steps.T @ (np.outer(start, start) - (start @ start - 1.0) * np.eye(len(start))) @ steps, x, y)
     (b,) = _linear((start @ steps)[None], x, y)
+    along = a < _LEAST  # a cylinder's axis, where all of it is rounding: in it from end to end, or beside it
+    a[along], rest[along] = _LEAST, _LEAST * np.float32(1.0 - start @ start)
     return -b / a, np.asarray(np.sqrt(np.maximum(rest, np.float32(0.0))) / a, dtype=np.float32)
 
 

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from simulator.carm import quick_body
 from simulator.carm.drawing import random_scene
 from simulator.carm.guide import ALL_PARTS, Part
 from simulator.carm.plate import Plate
 from simulator.carm.quick_render import render_quickly
 from simulator.carm.render import render
 from simulator.carm.scene import PlacedGuide, Scene
+from simulator.carm.solids import Shape, Solid
 
 
 def _differences(scene: Scene) -> NDArray[np.float64]:
@@ -75,3 +77,10 @@ def _seconds(draw, scene: Scene) -> float:
     started_s = time.process_time()
     draw(scene, 0)
     return time.process_time() - started_s
+
+
+def test_a_ray_along_a_cylinders_axis_meets_its_whole_length_as_its_neighbours_do() -> None:
+    solid = Solid(Shape.CYLINDER, (0.0, 0.0, 700.0), (10.0, 10.0, 20.0), per_mm=0.02)
+    x = np.array([[0.0, 1e-6, 1e-3, 0.1]], dtype=np.float32)
+    chord_mm = quick_body._chord(solid, np.eye(4), x, np.zeros_like(x))
+    np.testing.assert_allclose(chord_mm, [[40.0, 40.0, 40.0, 0.0]], rtol=1e-4)
