@@ -6,8 +6,9 @@ import signal
 from multiprocessing.connection import Connection
 from typing import Any
 
-# So that a busy image never delays a heartbeat or a stop (H32).
-_NICENESS = 10
+# Behind the service, so that a busy image never delays a heartbeat or a stop (H32), and not far behind: with 10 a
+# registration took 1.7 s beside as many busy processes as cores (`make bench-service`).
+_NICENESS = 2
 _OPENCV_NO_MEMORY = -4
 
 OK, OUT_OF_MEMORY, FAILED = "ok", "out_of_memory", "failed"
