@@ -26,7 +26,7 @@ _AGAIN_S = 0.5
 # What the answer says of the record; the recording itself goes on until it is done.
 _RECORDED_WITHIN_S = 2.0
 _RELEASED_WITHIN_S = 2.0  # an arm at full speed is at rest within half a second
-_UNRECORDABLE = frozenset({ErrorCode.CASE_UNKNOWN})
+_UNRECORDABLE = frozenset({ErrorCode.CASE_UNKNOWN, ErrorCode.CASE_ELSEWHERE})  # here, however often it is tried
 _recordings: set["asyncio.Task[Taken | None]"] = set()
 
 
@@ -38,7 +38,7 @@ async def stop(session: Presser, conductor: TheConductor) -> StopAnswer:
 
 @router.post("/cases/{case_id}/stop")
 async def stop_in_case(case_id: str, session: Presser, conductor: TheConductor) -> StopAnswer:
-    """Stop the arm, and record it in this case."""
+    """Stop the arm, and record it in the room's open case; in this one only where the room has none."""
     return await _stop(conductor, session, case_id)
 
 
@@ -89,7 +89,7 @@ async def _record(conductor: Conductor, session: Session, case_id: str | None, d
 
 
 def _write(conductor: Conductor, session: Session, case_id: str | None, data: dict[str, bool]) -> Taken | None:
-    case_id = case_id or conductor.open_case()
+    case_id = conductor.open_case() or case_id  # whatever case was named, this one's arm is stopped and locked
     if case_id is None:
         with conductor.parts.database.write() as connection:
             record_audit(connection, Trigger.STOP, session.user_id, data)

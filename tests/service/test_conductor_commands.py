@@ -11,6 +11,7 @@ import pytest
 
 from coaxial_client import Case, Coaxial, Refused
 from service.auth.permissions import Role
+from service.cases.opening import CaseToOpen, open_case
 from service.conductor.routers import CONDUCTOR_ROUTERS
 from workflow.triggers import Kind, Trigger
 
@@ -272,3 +273,29 @@ def test_a_stop_does_not_wait_for_the_database_and_is_recorded_when_it_is_free(r
         hogging.join()
     assert answer["recorded"] is False
     case.wait_for("safe_hold", timeout_s=10)
+
+
+def _over_case(_: object, case: Case) -> str:
+    case.command("case-aborted", reason="another one follows")
+    return case.id
+
+
+def _case_of_another_room(running: object, case: Case) -> str:
+    elsewhere = running.parts.settings.model_copy(update={"room": "elsewhere"})
+    session = running.parts.sessions.remembered(running.tokens[Role.SURGEON])
+    _over_case(running, case)
+    with running.parts.database.write() as connection:
+        return open_case(connection, CaseToOpen(**_CASE), session, elsewhere).case_id
+
+
+@pytest.mark.hazard("H18")
+@pytest.mark.parametrize("other", [_over_case, _case_of_another_room])
+def test_a_stop_under_another_cases_name_holds_the_case_that_the_room_is_in(running, sign_in, case, other) -> None:
+    """The arm that stopped is this room's; a stop whose record never ended would keep its guard locked for good."""
+    name = other(running, case)
+    with sign_in(Role.SURGEON) as surgeon:
+        newer = surgeon.open_case(_CASE)
+        answer = surgeon.post(f"/cases/{name}/stop", {}, {})
+        assert (answer["recorded"], answer["case_id"]) == (True, newer.id)
+        assert newer.status()["state"] == "safe_hold"
+        newer.command("case-aborted", reason="end of the test")
