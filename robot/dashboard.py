@@ -1,6 +1,7 @@
 """A tiny dashboard client: newline ASCII, for a stop that depends on nothing else."""
 
 import socket
+import time
 from threading import Lock
 
 DASHBOARD_PORT = 29999
@@ -76,18 +77,22 @@ def stop_by_dashboard(address: str, timeout_s: float = 1.0) -> bool:
     Parameters
     ----------
     timeout_s : float
-        Of the connection and of each answer.
+        Of the connection, and of the whole answer.
     """
     try:
         with socket.create_connection((address, DASHBOARD_PORT), timeout_s) as connection:
             connection.sendall(b"stop\n")  # the banner is not awaited: the stop goes first
-            return _answers(connection)
+            return _answers(connection, time.monotonic() + timeout_s)
     except OSError:
         return False
 
 
-def _answers(connection: socket.socket) -> bool:
+def _answers(connection: socket.socket, end_s: float) -> bool:
+    """Whether it says so until the monotonic time `end_s`, however slowly; OSError where it is silent."""
     answer = b""
-    while _STOPPED not in answer and len(answer) < _MOST_ANSWER and (part := connection.recv(_MOST_ANSWER)):
+    while _STOPPED not in answer and len(answer) < _MOST_ANSWER and (left_s := end_s - time.monotonic()) > 0.0:
+        connection.settimeout(left_s)
+        if not (part := connection.recv(_MOST_ANSWER)):
+            break
         answer += part
     return _STOPPED in answer

@@ -79,6 +79,20 @@ def test_a_dashboard_that_talks_without_end_has_not_said_that_it_stopped(monkeyp
         assert _timed(lambda: stop_by_dashboard("arm")) < _PATIENCE_S
 
 
+@pytest.mark.hazard("H17")
+def test_a_dashboard_whose_answer_drips_is_waited_for_no_longer_than_one_that_is_silent(monkeypatch) -> None:
+    """After the death of a guard this is waited for before the fault is told and the next guard starts."""
+
+    def drops() -> Iterator[bytes]:
+        for _ in range(300):
+            yield b"y"
+            time.sleep(_WITHIN_S / 2)
+
+    with _answering(drops()) as connection:
+        monkeypatch.setattr(socket, "create_connection", lambda *_: connection)
+        assert _timed(lambda: stop_by_dashboard("arm", _WITHIN_S)) < _PATIENCE_S
+
+
 @pytest.mark.hazard("H18")
 def test_a_dashboard_that_talks_without_end_keeps_no_stop_waiting(monkeypatch) -> None:
     """It never reads what it is sent, either: a stop is five bytes, which always fit."""
