@@ -24,6 +24,8 @@ class GuardChild:
         )
         self._commands = cast(BinaryIO, self._process.stdin)
         self._events = cast(BinaryIO, self._process.stdout)
+        self._arriving = select.poll()  # `select` counts descriptors to 1024 only: a service of many screens has more
+        self._arriving.register(self._events, select.POLLIN)
         self._rest = b""
         self._lock = Lock()
         os.set_blocking(self._commands.fileno(), False)
@@ -43,8 +45,7 @@ class GuardChild:
 
     def read(self, timeout_s: float) -> list[bytes] | None:
         """Lines that arrived, perhaps none; None once the process has closed its end."""
-        ready, _, _ = select.select([self._events], [], [], timeout_s)
-        if not ready:
+        if not self._arriving.poll(timeout_s * 1000.0):
             return []
         part = os.read(self._events.fileno(), 65536)
         *lines, self._rest = (self._rest + part).split(b"\n")

@@ -2,6 +2,7 @@
 
 import io
 import os
+import resource
 import signal
 import sys
 import threading
@@ -203,6 +204,24 @@ def test_lines_go_to_the_process_and_come_back_whole(echo: GuardChild) -> None:
     assert echo.send(b"one\ntw") is True
     assert echo.send(b"o\n") is True
     assert lines_of(echo, 2) == [b"one", b"two"]
+
+
+@pytest.fixture
+def many_descriptors() -> Iterator[None]:
+    """More of them open than `select` can count."""
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(before[0], min(2048, before[1])), before[1]))
+    taken = [os.open(os.devnull, os.O_RDONLY) for _ in range(1100)]
+    yield
+    for descriptor in taken:
+        os.close(descriptor)
+    resource.setrlimit(resource.RLIMIT_NOFILE, before)
+
+
+def test_a_process_is_heard_however_many_descriptors_its_parent_has_open(many_descriptors: None, spawned) -> None:
+    echo = spawned("exec cat")
+    assert echo.send(b"one\n") is True
+    assert lines_of(echo, 1) == [b"one"]
 
 
 def test_a_process_that_does_not_read_takes_no_more_than_fits(echo: GuardChild) -> None:
