@@ -111,7 +111,11 @@ class GuardClient:
 
     def _stop(self, command: Stop | ReleasePendant) -> bool:
         taken = self._send(command)
-        Thread(target=stop_by_dashboard, args=(self._config.arm_address,), name="stop", daemon=True).start()
+        beside = Thread(target=stop_by_dashboard, args=(self._config.arm_address,), name="stop", daemon=True)
+        try:
+            beside.start()
+        except RuntimeError:  # no thread is left on this machine: then whoever stops waits for it
+            stop_by_dashboard(self._config.arm_address)
         return taken
 
     def acknowledge(self) -> bool:

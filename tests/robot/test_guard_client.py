@@ -161,6 +161,23 @@ def test_a_stop_goes_by_the_guard_and_by_the_dashboard_too(world: World, client:
     until(lambda: world.stops == ["10.0.0.1"] * 2)
 
 
+@pytest.mark.hazard("H32")
+def test_on_a_machine_without_a_thread_left_a_stop_goes_both_ways_all_the_same(
+    world: World, client: GuardClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    child = world.child()
+    client.start()
+    assert child.silent.wait(PATIENCE_S)
+
+    def no_thread_left(_thread: threading.Thread) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", no_thread_left)
+    assert client.stop("asked") is True
+    assert [decode_command(line) for line in child.sent] == [Stop("asked")]
+    assert world.stops == ["10.0.0.1"]
+
+
 def test_without_a_guard_nothing_begins_and_a_stop_goes_by_the_dashboard_alone(
     world: World, client: GuardClient, move: BeginMove
 ) -> None:
