@@ -23,15 +23,23 @@ async def watch_insertions(conductor: Conductor) -> None:
     alarmed: str | None = None
     while True:
         await asyncio.sleep(_LOOK_EVERY_S)
-        live = conductor.live
-        if live is None or live.insertion is None or not drift_decides(live):
-            continue
-        if live.state in INSERTION and _program_runs(conductor):
-            await _stop_program(conductor, live.case_id)
-        drift = conductor.bridge.watch.drift()
-        alarm = drift is not None and live.insertion.id != alarmed and _is_beyond(conductor, drift)
-        if alarm and drift is not None and await _alarm(conductor, live.case_id, drift):
-            alarmed = live.insertion.id
+        try:
+            alarmed = await _look(conductor, alarmed)
+        except Exception:  # noqa: BLE001  a defect met in one look must not end the watch over a sleeve
+            _log.exception("insertion_look_failed")
+
+
+async def _look(conductor: Conductor, alarmed: str | None) -> str | None:
+    """Look once; the insertion whose drift was alarmed of, given the last one."""
+    live = conductor.live
+    if live is None or live.insertion is None or not drift_decides(live):
+        return alarmed
+    if live.state in INSERTION and _program_runs(conductor):
+        await _stop_program(conductor, live.case_id)
+    drift = conductor.bridge.watch.drift()
+    if drift is None or live.insertion.id == alarmed or not _is_beyond(conductor, drift):
+        return alarmed
+    return live.insertion.id if await _alarm(conductor, live.case_id, drift) else alarmed
 
 
 def drift_decides(case: CaseState) -> bool:

@@ -2,6 +2,7 @@
 
 import asyncio
 import math
+import threading
 from types import SimpleNamespace
 
 import pytest
@@ -82,3 +83,22 @@ def test_program_that_starts_on_the_controller_is_stopped_and_told_once():
 def test_where_no_verified_guide_takes_a_sleeve_it_is_still(state, verified):
     watched = Watched(Displacement(5.0, 1.0), state, verified, program=True).for_s(0.2)
     assert (watched.stops, watched.told) == (0, [])
+
+
+@pytest.mark.hazard("H29")
+def test_a_look_that_fails_does_not_end_the_watch(monkeypatch):
+    watched, observe, alarmed = Watched(Displacement(5.0, 1.0)), Watched.observe, threading.Event()
+    outcomes = iter([lambda: 1 / 0, alarmed.set])
+
+    def fail_once(self: Watched, *recorded: object) -> None:
+        next(outcomes)()
+        observe(self, *recorded)
+
+    async def watch() -> bool:
+        watching = asyncio.create_task(watch_insertions(watched))
+        told = await asyncio.to_thread(alarmed.wait, 20.0)
+        watching.cancel()
+        return told
+
+    monkeypatch.setattr(Watched, "observe", fail_once)
+    assert asyncio.run(watch())
