@@ -18,6 +18,7 @@ from argon2 import PasswordHasher
 from pydicom.dataset import Dataset, FileMetaDataset
 from pydicom.uid import ExplicitVRLittleEndian, XRayAngiographicImageStorage, generate_uid
 
+from coaxial_client import Coaxial
 from service.app import create_app
 from service.auth.permissions import Role
 from service.auth.users import UserStore
@@ -26,6 +27,7 @@ from service.parts import Parts
 from service.serving import server_config
 from service.settings import DicomSettings, HttpSettings, Settings
 from tests.databases import Databases
+from tests.service.any_state import Room
 
 PASSWORD, PIN = "correct horse", "2468"
 CHEAP_HASHER = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
@@ -81,6 +83,16 @@ def running(tmp_path_factory: pytest.TempPathFactory, databases: Databases) -> I
     folder = tmp_path_factory.mktemp("service")
     with databases.empty(folder) as address:
         yield from serve_in_thread(_settings(folder, address))
+
+
+@pytest.fixture(scope="module")
+def room(running: RunningService, device_files: dict[str, str]) -> Iterator[Room]:
+    """Its surgeon at work, in a room whose device files are there."""
+    with Coaxial(running.url) as client:
+        client.sign_in(Role.SURGEON.value, PASSWORD)
+        for kind, content in device_files.items():
+            client.upload_device(kind, content.encode())
+        yield Room(running, client)
 
 
 @pytest.fixture(scope="session")

@@ -5,11 +5,10 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from coaxial_client import Coaxial
 from service.auth.permissions import Role
 from service.settings import DicomSettings, HttpSettings, Settings
 from simulator.controller import ControllerProcess, ControllerSettings, free_loopback_address
-from tests.service.test_every_pair import NamedApart, Room
+from tests.service.any_state import NamedApart
 from workflow.states import OVER, State
 from workflow.triggers import Trigger
 
@@ -30,7 +29,7 @@ def controller() -> Iterator[ControllerProcess]:
 
 
 @pytest.fixture(scope="module")
-def service(tmp_path_factory, databases, serving, controller):
+def running(tmp_path_factory, databases, serving, controller):
     """A service with an arm."""
     folder = tmp_path_factory.mktemp("service")
     ports = {"http": HttpSettings(port=0), "dicom": DicomSettings(port=0)}
@@ -40,30 +39,20 @@ def service(tmp_path_factory, databases, serving, controller):
             Settings(
                 data_folder=folder, database_url=address, min_free_bytes=0, arm_address=controller.address, **ports
             )
-        ) as running,
+        ) as service,
     ):
-        yield running
-
-
-@pytest.fixture(scope="module")
-def room(service, device_files) -> Iterator[Room]:
-    with Coaxial(service.url) as client:
-        client.sign_in(Role.SURGEON.value, "correct horse")
-        for kind, content in device_files.items():
-            client.upload_device(kind, content.encode())
-        room = Room(service, client)
-        _await(lambda: room.case.status()["arm"]["connected"])
-        yield room
+        yield service
 
 
 @pytest.mark.hazard("H18")
 @pytest.mark.parametrize("state", State)
 def test_one_request_of_anybody_stops_leaves_the_arm_to_the_pendant_and_holds_the_case(
-    room, service, controller, state
+    room, running, controller, state
 ) -> None:
+    _await(lambda: room.case.status()["arm"]["connected"])
     before = room.put(NamedApart().to(state).case)
     newest = controller.wire()[-1].number
-    with service.client(Role.AUDITOR) as anybody:
+    with running.client(Role.AUDITOR) as anybody:
         answer = anybody.post(f"/cases/{before.case_id}/emergency-access")
     assert answer.status_code == 200
     told = answer.json()
