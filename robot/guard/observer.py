@@ -74,4 +74,3 @@ class Observer:
         self._next_attempt_s = now_s + _RECONNECT_S
         if self._arm.connect():
             self._feedback.forget()
-            self._bad = None

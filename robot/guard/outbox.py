@@ -36,4 +36,3 @@ class Outbox:
             pass
         except OSError:
             self.broken = True
-            self._waiting = b""

@@ -8,10 +8,15 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import structlog
+from structlog.testing import capture_logs
 
 from robot.errors import GuardDownError
+from robot.guard import child as process
 from robot.guard import client as module
+from robot.guard import course
 from robot.guard.client import GuardClient, GuardConfig
+from robot.guard.journal import FLUSH_S
 from robot.guard.lines import decode_command, encode
 from robot.guard.messages import (
     Acknowledge,
@@ -27,6 +32,8 @@ from robot.guard.messages import (
 )
 
 PATIENCE_S = 20.0
+RESTART_AFTER_S = 0.02
+ENGINE_S = 10.0  # what an engine of containers gives a service that it asked to end, before it kills it
 
 
 def status(sequence: int, phase: Phase = Phase.IDLE, connected: bool = True) -> bytes:
@@ -74,7 +81,9 @@ class World:
     clock: SimpleNamespace
     children: list[Child | OSError] = field(default_factory=list)
     spawned: list[tuple[str, Path]] = field(default_factory=list)
+    spawned_at_s: list[float] = field(default_factory=list)  # of the room's clock, which nobody turns
     stops: list[str] = field(default_factory=list)
+    stopped_by: list[threading.Thread] = field(default_factory=list)
     precedence: list[bool] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     fails_to_listen: bool = False
@@ -87,11 +96,16 @@ class World:
 
     def spawn(self, address: str, folder: Path) -> Child:
         self.spawned.append((address, folder))
+        self.spawned_at_s.append(time.monotonic())
         self.while_spawning()
         child = self.children[len(self.spawned) - 1]
         if isinstance(child, OSError):
             raise child
         return child
+
+    def stop(self, address: str) -> None:
+        self.stopped_by.append(threading.current_thread())
+        self.stops.append(address)
 
     def hear(self, event: Event) -> None:
         self.events.append(event)
@@ -103,15 +117,16 @@ class World:
 def world(monkeypatch: pytest.MonkeyPatch) -> World:
     world = World(SimpleNamespace(now_s=100.0))
     monkeypatch.setattr(module, "GuardChild", world.spawn)
-    monkeypatch.setattr(module, "stop_by_dashboard", world.stops.append)
+    monkeypatch.setattr(module, "stop_by_dashboard", world.stop)
     monkeypatch.setattr(module, "take_precedence", lambda *, passed_on: world.precedence.append(passed_on))
+    monkeypatch.setattr(module, "_log", structlog.get_logger())  # one that is bound to no earlier configuration
     monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: world.clock.now_s))
     return world
 
 
 @pytest.fixture
 def client(world: World, tmp_path: Path) -> Iterator[GuardClient]:
-    client = GuardClient(GuardConfig("10.0.0.1", tmp_path, restart_after_s=0.01), world.hear)
+    client = GuardClient(GuardConfig("10.0.0.1", tmp_path, restart_after_s=RESTART_AFTER_S), world.hear)
     yield client
     client.close()
     assert not any(thread.name == "guard" for thread in threading.enumerate())
@@ -139,6 +154,15 @@ def test_events_are_passed_on_and_the_newest_status_is_kept(world: World, client
     assert child.ended_at_once is False  # asked to, and nothing is mourned
     assert (world.stops, client.process_id) == ([], None)
     assert not any(isinstance(event, Fault) for event in world.events)
+
+
+def test_what_else_a_guard_says_is_passed_on_and_leaves_its_status(world: World, client: GuardClient) -> None:
+    fault = encode(Fault(FaultKind.ARM_OFF, 90.0, "off")).rstrip()
+    child = world.child((0.1, [status(1), fault]), (0.9, [fault]))
+    client.start()
+    assert child.silent.wait(PATIENCE_S)
+    assert [type(event) for event in world.events] == [Status, Fault, Fault]
+    assert client.status.sequence == 1
 
 
 def test_commands_reach_the_process_as_lines(world: World, client: GuardClient, move: BeginMove) -> None:
@@ -264,20 +288,55 @@ def test_a_guard_that_says_what_is_no_message_is_killed(world: World, client: Gu
     assert [type(event) for event in world.events] == [Status, Fault]
 
 
-def test_a_machine_without_a_process_left_is_asked_again(world: World, client: GuardClient) -> None:
+def test_a_machine_without_a_process_left_is_asked_again_and_the_log_says_why(
+    world: World, client: GuardClient
+) -> None:
     world.children.append(OSError("no process left"))
     child = world.child((0.0, [status(1)]))
-    client.start()
-    assert child.silent.wait(PATIENCE_S)
+    with capture_logs() as log:
+        client.start()
+        assert child.silent.wait(PATIENCE_S)
     assert len(world.spawned) == 2
     assert [type(event) for event in world.events] == [Status]
+    assert ["no process left" in entry["error"] for entry in log] == [True]
 
 
-def test_a_listener_that_fails_does_not_end_the_supervision(world: World, client: GuardClient) -> None:
-    world.fails_to_listen = True
-    child = world.child((0.1, [status(1)]), (0.1, [status(2)]))
+def test_a_guard_that_cannot_live_is_not_started_again_and_again_without_a_pause(
+    world: World, client: GuardClient
+) -> None:
+    world.child((0.0, None))
+    world.children.append(OSError("no process left"))
+    child = world.child()
     client.start()
     assert child.silent.wait(PATIENCE_S)
+    died_s, refused_s, started_s = world.spawned_at_s
+    assert min(refused_s - died_s, started_s - refused_s) >= RESTART_AFTER_S
+
+
+def test_a_service_that_fails_without_closing_is_not_kept_alive_by_its_guard(world: World, client: GuardClient) -> None:
+    """Its end is what the guard stops the arm for."""
+    child = world.child()
+    client.start()
+    assert child.silent.wait(PATIENCE_S)
+    client.stop("asked")
+    until(lambda: world.stopped_by != [])
+    supervising = [thread for thread in threading.enumerate() if thread.name == "guard"]
+    assert [thread.daemon for thread in (*supervising, *world.stopped_by)] == [True, True]
+
+
+def test_a_guard_gets_the_time_to_bring_its_arm_to_rest(tmp_path: Path) -> None:
+    """Before it is killed; and whoever closes the client awaits that, and is done before the engine loses patience."""
+    assert process._END_S > course._GIVE_UP_S + FLUSH_S
+    assert process._END_S + module._LOOK_S < module._CLOSE_S < ENGINE_S
+
+
+def test_a_listener_that_fails_does_not_end_the_supervision_and_is_logged(world: World, client: GuardClient) -> None:
+    world.fails_to_listen = True
+    child = world.child((0.1, [status(1)]), (0.1, [status(2)]))
+    with capture_logs() as log:
+        client.start()
+        assert child.silent.wait(PATIENCE_S)
+    assert [(entry["event_type"], "own fault" in entry["error"]) for entry in log] == [("Status", True)] * 2
     assert client.status.sequence == 2
     assert child.ended_at_once is None
 

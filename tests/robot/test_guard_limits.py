@@ -8,9 +8,10 @@ from scipy.spatial.transform import Rotation
 
 from robot.arm import ArmState
 from robot.frames import distance_between
-from robot.guard import deviation, preflight, rest
+from robot.guard import deviation, motion, preflight, rest
 from robot.guard.deviation import PathWatch, has_kept_tcp
-from robot.guard.messages import BeginMove
+from robot.guard.messages import BeginMove, EndCause
+from robot.guard.motion import MotionJudge, is_at
 from robot.guard.preflight import refuse_arm, refuse_payload, refuse_tcp
 from robot.guard.rest import RestWatch
 from robot.kinematics import base_from_flange
@@ -113,3 +114,26 @@ def test_a_rest_goes_on_as_far_as_its_drift(
         watch = RestWatch()
         watch.observe(before)
         assert watch.observe(after) == rested_s
+
+
+@pytest.mark.parametrize(("aside", "name"), [(STEP, "ARRIVAL_MM"), (TURN, "ARRIVAL_RAD")])
+def test_a_goal_is_reached_as_near_as_its_limit(
+    move: BeginMove, reading: ArmState, monkeypatch: pytest.MonkeyPatch, aside: np.ndarray, name: str
+) -> None:
+    here = replace(reading, base_from_tcp=np.eye(4))
+    figure = distance_between(np.eye(4), aside)[0 if name == "ARRIVAL_MM" else 1]
+    for limit, reached in ((figure, True), (below(figure), False)):
+        monkeypatch.setattr(motion, name, limit)
+        assert is_at(here, replace(move, base_from_goal=aside)) is reached
+
+
+@pytest.mark.parametrize(("aside", "name"), [(STEP, "DISTURBED_MM"), (TURN, "DISTURBED_RAD")])
+def test_an_arm_has_left_its_place_beyond_what_counts_for_nothing(
+    move: BeginMove, reading: ArmState, monkeypatch: pytest.MonkeyPatch, aside: np.ndarray, name: str
+) -> None:
+    start = replace(reading, base_from_tcp=np.eye(4))
+    late = replace(reading, base_from_tcp=aside, received_at_s=1.0, program_running=True)
+    figure = distance_between(np.eye(4), aside)[0 if name == "DISTURBED_MM" else 1]
+    for limit, cause in ((figure, EndCause.NOT_STARTED), (below(figure), None)):
+        monkeypatch.setattr(motion, name, limit)
+        assert MotionJudge(move, start, np.zeros(3), 0.0).judge(late) is cause

@@ -1,8 +1,10 @@
 """The journal on a disk that works, is cut short, and fails."""
 
 import json
+from io import FileIO
 from pathlib import Path
 from threading import Event
+from threading import enumerate as enumerate_threads
 
 import pytest
 
@@ -13,6 +15,14 @@ from robot.guard.journal import EVENTS_FILE, FLUSH_S, Journal, read_lines, traje
 from robot.guard.messages import Acknowledge, Fault, FaultKind
 
 FAULT = Fault(FaultKind.ARM_OFF, 1.0, "off")
+PATIENCE_S = 20.0
+
+
+class Narrow(FileIO):
+    """A file on a disk with room for ten bytes."""
+
+    def write(self, line: bytes) -> int:
+        return super().write(line[:10])
 
 
 def test_events_and_readings_are_on_the_disk_after_a_flush(tmp_path: Path, reading: ArmState) -> None:
@@ -53,6 +63,27 @@ def test_full_disk_is_told(tmp_path: Path) -> None:
     journal = Journal(tmp_path)
     journal.record(FAULT)
     assert not journal.flush(5.0)
+    journal.close()
+
+
+@pytest.mark.hazard("H24")
+def test_a_line_that_the_disk_took_in_part_is_told_and_the_next_one_is_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr("robot.guard.journal.FileIO", Narrow)
+        journal = Journal(tmp_path)
+        journal.record(FAULT)
+        assert not journal.flush(PATIENCE_S)
+    journal.record(FAULT)
+    assert journal.flush(PATIENCE_S)
+    assert [line["type"] for line in read_lines(tmp_path / EVENTS_FILE)] == ["fault"]
+    journal.close()
+
+
+def test_a_guard_that_fails_is_not_kept_alive_by_its_journal(tmp_path: Path) -> None:
+    journal = Journal(tmp_path)
+    assert [thread.daemon for thread in enumerate_threads() if thread.name == "journal"] == [True]
     journal.close()
 
 

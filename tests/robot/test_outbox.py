@@ -81,9 +81,10 @@ def pipe_and_rest(pipe: Pipe, outbox: Outbox) -> list[Event]:
     return [decode_event(line) for line in lines.splitlines()]
 
 
-def test_a_pipe_that_nobody_reads_any_more_is_broken_and_nothing_waits_for_it(pipe: Pipe) -> None:
+def test_a_pipe_that_nobody_reads_any_more_is_broken_and_takes_events_all_the_same(pipe: Pipe) -> None:
     outbox = Outbox(pipe.writing)
     os.close(pipe.reading)
     outbox.put(FAULT)
     assert outbox.broken is True
-    outbox.push()  # nothing is left to write
+    outbox.put(status(1))  # the guard stops the arm, and goes on until it is at rest
+    assert outbox.broken is True

@@ -1,5 +1,6 @@
 """Straight-line paths: what they keep, and what they are refused for."""
 
+import re
 from dataclasses import replace
 from pathlib import Path as Paths
 
@@ -76,8 +77,10 @@ def test_windings_of_the_start_are_kept() -> None:
 def test_goal_out_of_reach_is_refused_with_the_sample_where_the_arm_ends() -> None:
     limits = replace(LIMITS, length_mm=600.0)
     refusal = refused(planned(moved(PARKED, [-500.0, 0.0, 0.0]), limits), RefusalCode.GOAL_UNREACHABLE)
-    assert "of 250" in refusal.message  # 500 mm in steps of 2 mm
-    assert refusal.measured is not None
+    sample = int(re.search(r"sample (\d+) of 250", refusal.message)[1])  # 500 mm in steps of 2 mm
+    flange = moved(PARKED, [-2.0 * sample, 0.0, 0.0]) @ np.linalg.inv(FLANGE_FROM_GUIDE)
+    shoulder_mm = np.array([0.0, 0.0, 89.159])  # of a UR5, in the base
+    assert refusal.measured == pytest.approx(np.linalg.norm(flange[:3, 3] - shoulder_mm), abs=0.01)
     assert refusal.measured == pytest.approx(refusal.limit, abs=40.0)  # mm: the reach depends on the wrist
 
 

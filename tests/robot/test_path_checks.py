@@ -86,6 +86,14 @@ def test_a_leap_and_a_haste_of_the_joints_are_told_with_their_place() -> None:
     assert "at sample 2 of 4" in haste.message
 
 
+@pytest.mark.hazard("H11")
+def test_a_haste_of_the_joints_is_none_the_less_one_on_a_short_way() -> None:
+    short = line_between(np.eye(4), displaced(1.0))  # in steps of 0.25 mm
+    refusal = refuse_steps(short, Pace(20.0, 50.0, 0.4), STEPS_RAD, LIMITS)
+    assert refusal is not None
+    assert (refusal.code, refusal.measured) == (RefusalCode.JOINT_SPEED, pytest.approx(0.125 * 20.0 / 0.25))
+
+
 def test_a_path_to_where_the_arm_is_has_no_speed() -> None:
     nowhere = line_between(np.eye(4), np.eye(4))
     assert len(sample_line(nowhere)) == 3
@@ -169,6 +177,11 @@ def test_the_links_are_carried_along_with_the_difference_of_arm_and_model() -> N
     nominal = clearances(np.tile(PARKED, (2, 1, 1)), joints)
     real = clearances(np.tile(displaced(7.0) @ PARKED, (2, 1, 1)), joints)
     assert nominal.clearances_mm - real.clearances_mm == pytest.approx(7.0, abs=1e-6)
+
+
+def test_a_sweep_leaves_no_sample_out() -> None:
+    with pytest.raises(ValueError, match="shorter"):
+        clearances(np.tile(PARKED, (3, 1, 1)), np.tile(PARKED_RAD, (2, 1)))
 
 
 @pytest.mark.hazard("H12")

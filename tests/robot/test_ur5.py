@@ -8,6 +8,7 @@ import pytest
 from robot import ur5
 from robot.arm import LinearMove
 from robot.errors import ControllerRefusedError
+from robot.safety import SafetyState
 from robot.ur5 import UR5
 
 
@@ -65,3 +66,37 @@ def test_control_without_an_armed_watchdog_is_none(arm: UR5, monkeypatch: pytest
     monkeypatch.setattr(Broken, "setWatchdog", lambda *_: False)
     with pytest.raises(ControllerRefusedError):
         arm.take_control(2.5)
+
+
+class Words:
+    """What the library read from the controller: an arm at rest, and these words."""
+
+    def __init__(self, robot_status: int, runtime_state: int) -> None:
+        self._words = {
+            "RobotStatus": robot_status,
+            "RuntimeState": runtime_state,
+            "SafetyStatusBits": 1,
+            "RobotMode": 7,
+        }
+
+    def __getattr__(self, name: str) -> Callable[[], object]:
+        single = {**self._words, "Payload": 1.0}
+        return lambda: single.get(name.removeprefix("get"), [0.0] * 6)
+
+
+POWERED, PROGRAM, TEACHING = 1, 2, 4  # bits of the robot's status
+
+
+@pytest.mark.parametrize(
+    ("status", "runtime_state", "running"),
+    [
+        (POWERED, 1, False),
+        (POWERED | TEACHING, 1, False),
+        (POWERED | PROGRAM, 1, True),
+        (POWERED, 2, True),
+        (POWERED, 4, True),  # a paused program may go on
+    ],
+)
+def test_a_program_runs_if_either_word_says_so(status: int, runtime_state: int, running: bool) -> None:
+    state = ur5._state(Words(status, runtime_state), 0.0)
+    assert (state.program_running, state.safety) == (running, SafetyState.NORMAL)
