@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.workflow.conftest import GOOD_QUALITY
 from tests.workflow.proof import LIMITS, Proof, Spoil, failed
 from tests.workflow.proofs_of_arm import ARM_PROOFS
 from tests.workflow.proofs_of_images import IMAGE_PROOFS
@@ -185,6 +186,14 @@ def test_a_statement_is_held_against_its_truth(walk):
     verdicts = walk.to(State.MOVED).do(Trigger.VERIFICATION_PASSED, agree=False).verdicts
     (agree,) = (verdict for verdict in verdicts if verdict.code == "evaluations_agree")
     assert (agree.measured, agree.limit) == (False, True)
+
+
+def test_where_no_plate_is_needed_none_is_asked_for(walk):
+    walk.to(State.IMAGE_ACQUIRED)
+    quality = replace(GOOD_QUALITY, plate_required=False, plate_balls=None)
+    verdicts = walk.do(Trigger.REGISTRATION_COMPLETED, quality=quality).verdicts
+    (plate,) = (verdict for verdict in verdicts if verdict.code == "plate")
+    assert (plate.measured, plate.limit) == (None, 0)
 
 
 def test_the_joint_that_is_out_of_range_is_the_one_that_is_told(walk):

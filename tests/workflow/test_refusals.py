@@ -1,8 +1,11 @@
 """Refusals: the first reason in the stated order, and what leads onwards really does."""
 
+from dataclasses import replace
+
 import pytest
 
 from workflow.machine import allowed, plan_kinds
+from workflow.onwards import route
 from workflow.plans import PlanKind
 from workflow.refusals import RefusalCode
 from workflow.snapshot import Reading, SafetyMode
@@ -55,6 +58,24 @@ ENDS = (State.CLOSED, State.ABORTED)
 def test_a_refusal_names_what_leads_onwards(walk, state, trigger, code, onwards):
     refusal = walk.to(state).refused(trigger)
     assert (refusal.code, refusal.leads_onwards) == (code, onwards)
+
+
+def test_the_first_step_of_a_long_way_is_shown(walk):
+    far = walk.to(State.CASE_OPEN).case
+    assert Trigger.CARM_POSITION_CONFIRMED in route(far, frozenset({State.VERIFIED}))
+
+
+@pytest.mark.parametrize(
+    ("lost", "first"),
+    [
+        ({}, Trigger.MOVE_STARTED),
+        ({"permit": None}, Trigger.MOVE_APPROVED),
+        ({"permit": None, "plan": None}, Trigger.PLAN_REQUESTED),
+    ],
+)
+def test_towards_a_motion_the_next_that_a_person_does_is_shown(walk, lost, first):
+    case = replace(walk.to(State.TARGET_CHOSEN).case, **lost)
+    assert route(case, frozenset({State.MOVING})) == (first,)
 
 
 def test_an_insertion_whose_guide_is_empty_again_is_over_once_the_target_is_done(walk):
