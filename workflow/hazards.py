@@ -155,8 +155,9 @@ _LIST = (
     Hazard(
         "H23",
         "A clock jumps",
-        "a time server, a hand",
-        "Ages are measured by the monotonic clock, order is by number; wall time decides nothing.",
+        "a time server, a hand, a workstation that sleeps",
+        "Ages are measured by monotonic clocks, minutes by one that goes on in sleep; order is by number; wall time"
+        " decides nothing.",
     ),
     Hazard(
         "H24",

@@ -152,7 +152,7 @@ def scripted_room(folder: Path, database_url: str | None = None) -> Iterator[Roo
             (background, "refuse_claimed_arm", lambda _address: None),
             (background, "Conductor", partial(Conductor, clock=clock)),
             (bridge, "GuardClient", guard),
-            (bridge, "ArmWatch", partial(ArmWatch, clock)),
+            (bridge, "ArmWatch", partial(ArmWatch, clock, clock)),
             (hold, "time", SimpleNamespace(monotonic=clock)),
             (assembly, "VisionWorker", lambda _settings: vision),
             (goals, "plan_path", _once_each(plan_path)),

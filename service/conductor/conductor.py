@@ -1,7 +1,6 @@
 """Takes commands and observations: decide and record in one transaction, then touch the world."""
 
 import threading
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
@@ -25,6 +24,7 @@ from service.conductor.handedness import ProvedConnections
 from service.conductor.limits import limits_from
 from service.conductor.taking import Prepare, Rules, Taken, case_here, stand, take
 from service.database.free_space import check_free_space
+from service.elapsed import elapsed_s
 from service.errors import ServiceError
 from service.motion.bridge import ArmBridge
 from service.operations.counts import count_decision
@@ -64,7 +64,7 @@ def new_id() -> str:
 class Conductor:
     """Everything between a command and the outside world; its methods block: call them from a thread."""
 
-    def __init__(self, parts: Parts, bridge: ArmBridge, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, parts: Parts, bridge: ArmBridge, clock: Callable[[], float] = elapsed_s) -> None:
         self.parts = parts
         self.bridge = bridge
         settings = parts.settings

@@ -12,6 +12,7 @@ from robot.arm import ArmState
 from robot.frames import Transform, distance_between
 from robot.guard.messages import EndCause, Event, Fault, FaultKind, MotionEnded, MotionStarted, Phase, Status
 from robot.guard.rest import is_slow
+from service.elapsed import elapsed_s
 from service.motion.displacement import Displacement, DisplacementLedger
 from service.motion.exposures import Exposure, Exposures
 
@@ -32,10 +33,17 @@ class ArmReading:
 
 
 class ArmWatch:
-    """The newest of everything."""
+    """The newest of everything.
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+    Parameters
+    ----------
+    clock, elapsed : callable
+        The clock of the guard's messages, and the one that an image ages by.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic, elapsed: Callable[[], float] = elapsed_s) -> None:
         self._clock = clock
+        self._elapsed = elapsed
         self._changed = threading.Condition()
         self._status: Status | None = None
         self._before: ArmState | None = None
@@ -75,7 +83,8 @@ class ArmWatch:
         with self._changed:
             arm = self._arm()
             if arm is not None:
-                self._exposures.open(window_id, arm, self._ledger.begin_stretch(arm))
+                latched_at_s = self._elapsed() - (self._clock() - arm.received_at_s)
+                self._exposures.open(window_id, arm, latched_at_s, self._ledger.begin_stretch(arm))
             return arm
 
     def exposure_of_window(self, window_id: str) -> Exposure | None:
@@ -96,7 +105,7 @@ class ArmWatch:
     def since_exposure_s(self, image_id: str | None) -> float | None:
         """Time since the exposure of an image was requested; None if that is unknown."""
         exposure = self.exposure_of_image(image_id or "")
-        return None if exposure is None else self._clock() - exposure.latched.received_at_s
+        return None if exposure is None else self._elapsed() - exposure.requested_at_s
 
     def unaccounted(self, image_id: str | None) -> Displacement | None:
         """What no motion accounts for since the exposure of an image; None if that is unknown."""

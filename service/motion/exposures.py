@@ -17,6 +17,7 @@ class Exposure:
 
     window_id: str
     latched: ArmState
+    requested_at_s: float  # as `elapsed_s`
     baseline: Baseline  # of the ledger at the request
     largest: Displacement
 
@@ -28,9 +29,9 @@ class Exposures:
         self._by_window: OrderedDict[str, Exposure] = OrderedDict()
         self._by_image: dict[str, Exposure] = {}
 
-    def open(self, window_id: str, latched: ArmState, baseline: Baseline) -> None:
+    def open(self, window_id: str, latched: ArmState, requested_at_s: float, baseline: Baseline) -> None:
         """Latch the pose; those before it are watched on, for the rules may yet refuse this one."""
-        self._by_window[window_id] = Exposure(window_id, latched, baseline, Displacement(0.0, 0.0))
+        self._by_window[window_id] = Exposure(window_id, latched, requested_at_s, baseline, Displacement(0.0, 0.0))
         while len(self._by_window) > _WATCHED:
             self._by_window.popitem(last=False)
 

@@ -73,7 +73,7 @@ def test_after_a_motion_that_ended_unseen_nothing_can_be_told_of_an_earlier_expo
 @pytest.mark.hazard("H04")
 def test_an_arm_that_moved_and_came_back_during_an_exposure_has_moved() -> None:
     exposures, ledger = Exposures(), DisplacementLedger()
-    exposures.open("w", _at(0.0), ledger.begin_stretch(_at(0.0)))
+    exposures.open("w", _at(0.0), 0.0, ledger.begin_stretch(_at(0.0)))
     for x_mm in (0.0, 0.2, 0.0):
         exposures.observe(_at(x_mm))
     exposure = exposures.of_window("w")

@@ -30,8 +30,8 @@ class Told(ArmWatch):
     """A watch that is told of an arm at places along base x."""
 
     def __init__(self) -> None:
-        super().__init__(lambda: self.now_s)
-        self.now_s = 0.0
+        super().__init__(lambda: self.now_s, lambda: self.now_s + self.asleep_s)
+        self.now_s = self.asleep_s = 0.0
         self._numbers = count(1)
 
     def seen(self, x_mm: float, phase: Phase = Phase.IDLE) -> None:
@@ -127,6 +127,12 @@ def test_an_image_older_than_the_site_allows_offers_no_target(watch):
     assert _offered(watch, Trigger.TARGET_CONFIRMED, **registered) == set()
     watch.now_s = 60.1
     assert _offered(watch, Trigger.TARGET_CONFIRMED, **registered) == {"interlock", "image_age"}
+
+
+@pytest.mark.hazard("H23")
+def test_an_image_ages_while_the_machine_sleeps(watch):
+    watch.asleep_s = 60.1
+    assert _offered(watch, Trigger.TARGET_CONFIRMED, state=State.REGISTERED) == {"interlock", "image_age"}
 
 
 def test_the_status_offers_the_newest_image_again_by_its_own_exposure(watch):

@@ -1,5 +1,6 @@
 """When the guard is unlocked: by the newest decision of the room, whichever thread is done first (H18)."""
 
+import time
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -48,6 +49,13 @@ def _taken(sequence: int, before: State, after: State, case_id: str = "case") ->
 
 
 ACKNOWLEDGED = _taken(5, State.SAFE_HOLD, State.CASE_OPEN)
+
+
+@pytest.mark.hazard("H23")
+def test_permits_and_verifications_age_while_the_machine_sleeps(conductor, monkeypatch) -> None:
+    """The clock of the system that stands still meanwhile is `time.monotonic`."""
+    monkeypatch.setattr("time.clock_gettime", {time.CLOCK_BOOTTIME: 5000.0}.__getitem__)
+    assert conductor.rules.clock() == 5000.0
 
 
 def test_an_acknowledgement_unlocks_the_guard(conductor) -> None:
