@@ -91,7 +91,8 @@ class Conductor:
     def perform(self, caller: Caller, trigger: Trigger, prepare: Prepare) -> CommandAnswer:
         """Take a person's request or fact; ServiceError with every verdict where it is refused."""
         try:
-            if caller.version is not None:  # H24; a fact is worth trying even on a full disk
+            # H24; what a person states is worth trying even on a full disk
+            if caller.version is not None or trigger is Trigger.MOVE_STARTED:
                 check_free_space(self.parts.settings.data_folder, self.parts.settings.min_free_bytes)
             with self.parts.database.write() as connection:
                 result = self._take_once(connection, caller, trigger, prepare)
