@@ -124,7 +124,9 @@ class ArmWatch:
             return Displacement(*distance_between(self._base_from_rest, arm.base_from_tcp))
 
     def _take_status(self, status: Status) -> None:
-        self._before, self._status = self._arm(), status
+        if not _is_one_reading(self._arm(), status.arm):
+            self._before = self._arm()
+        self._status = status
         if status.arm is not None and status.phase is not Phase.MOVING:
             self._ledger.observe(status.arm)
         if status.arm is not None:
@@ -146,3 +148,8 @@ class ArmWatch:
             advances=bool(arm and before and status.connected and arm.controller_time_s > before.controller_time_s),
             at_rest=None if arm is None else is_slow(arm),
         )
+
+
+def _is_one_reading(before: ArmState | None, now: ArmState | None) -> bool:
+    """Whether a status tells again what the last one did, as beside an event that has one of its own."""
+    return before is not None and now is not None and before.controller_time_s == now.controller_time_s

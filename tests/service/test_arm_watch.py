@@ -111,6 +111,15 @@ def test_an_exposure_behind_many_requests_is_unknown_and_not_still(watch):
     assert watch.exposure_of_window("window 19") is not None
 
 
+@pytest.mark.hazard("H21")
+def test_a_reading_that_is_told_again_beside_an_event_is_no_clock_that_stands_still(watch):
+    watch.seen(0.0)
+    arm = watch.reading().arm
+    for connected in (True, False):  # the guard says itself when nothing new comes
+        watch.take(Status(99, watch.now_s, Phase.IDLE, "", connected, arm, None, False, None))
+        assert watch.reading().advances is connected
+
+
 def _offered(watch: Told, trigger: Trigger, **changes: object) -> set[str]:
     """What the status holds against a trigger in a case whose image is `image`; empty where it is offered."""
     image, motion = Artefact("image", ("view",)), Motion("motion", ("plan", "permit"), PlanKind.TARGETING)
