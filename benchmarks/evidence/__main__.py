@@ -14,7 +14,7 @@ from pathlib import Path
 
 from benchmarks.evidence.items import ITEMS
 from benchmarks.evidence.page import page
-from benchmarks.evidence.runs import run, summaries, workers
+from benchmarks.evidence.runs import begin, finish, row, workers
 
 
 def main() -> None:
@@ -30,16 +30,18 @@ def main() -> None:
     whole = True
     if options.share:
         with workers(options.processes) as pool:
-            for name in options.items or [item.name for item in ITEMS]:
-                whole &= run(next(item for item in ITEMS if item.name == name), options.folder, options.share, pool)
-    rows = [(item, summaries(item, options.folder)) for item in ITEMS]
-    figures = {item.name: [asdict(one) for one in found] for item, found in rows}
+            asked = [item for item in ITEMS if options.items is None or item.name in options.items]
+            begun = [(item, begin(item, options.folder, options.share, pool)) for item in asked]
+            for item, parts in begun:
+                whole &= finish(item, parts)
+    rows = [row(item, options.folder) for item in ITEMS]
+    figures = {one.item.name: [asdict(state) for state in (one.today, *one.earlier)] for one in rows}
     (options.folder / "summary.json").write_text(json.dumps(figures, indent=1))
     text = page(rows)
     print(f"\n{text}")
     if options.page is not None:
         options.page.write_text(text)
-    sys.exit(0 if whole and not any(found[0].bad for _, found in rows) else 1)
+    sys.exit(0 if whole and not any(one.today.bad for one in rows) else 1)
 
 
 if __name__ == "__main__":

@@ -5,9 +5,10 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from benchmarks.evidence.item import Item, Summary
+from benchmarks.evidence.runs import Row
+from benchmarks.evidence.timing import Timing
 
 _MENDED = Path(__file__).parent / "mended.toml"
-_PROCESSES = 2  # that the budget is reckoned with
 _HEAD = """# Evidence
 
 Made by `make evidence` from its results; written by no hand. Trials are numbered, and a number is its seed: the same
@@ -20,7 +21,8 @@ writes this page with the fingerprints of the tree that it runs in.
 
 Sequences and contested permits are sent to the whole service over its own sockets; scripted are the guard's client, the
 image work and the monotonic clock, which stands still between two steps. Kills at random moments are of `coaxial serve`
-as a process, with its guard, over a simulated controller.
+as a process, with its guard, over a simulated controller; most are forked from a process that has imported everything,
+and one in twenty starts whole.
 
 Of fuzzing and of requests each execution counts. A decoder that ends its process, or works for more than a second of
 its own time, counts as bad, though the image worker bears both: its next image finds a new process.
@@ -30,22 +32,18 @@ its own time, counts as bad, though the image worker bears both: its next image 
 """
 _BELOW = """
 `hours` is what all of a row takes on two cores, at the rate of the results that are kept; a row without any has none.
+Trials that calculate are timed by the processor's time, those that wait by the clock: on a machine that has other work
+too (`load`: processes that wanted one of its cores, with the trials' own) these take longer than on one that has none.
 """
 
 
-def page(rows: Sequence[tuple[Item, Sequence[Summary]]]) -> str:
-    """Markdown: a table of today's code, what it consists of, what was done of earlier code, what was mended.
-
-    The summaries of an item begin with that of today's code.
-    """
-    today = [(item, found[0]) for item, found in rows]
-    table = "\n".join(
-        _row(item, figures, _hours(found)) for (item, figures), (_, found) in zip(today, rows, strict=True)
-    )
-    known = [hours for _, found in rows if (hours := _hours(found)) is not None]
+def page(rows: Sequence[Row]) -> str:
+    """Markdown: a table of today's code, what it consists of, what was done of earlier code, what was mended."""
+    table = "\n".join(_row(row) for row in rows)
+    known = [row.timing.hours for row in rows if row.timing is not None]
     total = f"Together {sum(known):.1f} hours for {len(known)} of {len(rows)} rows.\n"
-    parts = [f"- **{item.name}**: {_kinds(figures)}." for item, figures in today if figures.done]
-    earlier = [_earlier(item, figures) for item, found in rows for figures in found[1:]]
+    parts = [f"- **{row.item.name}**: {_kinds(row.today)}." for row in rows if row.today.done]
+    earlier = [_earlier(row.item, figures) for row in rows for figures in row.earlier]
     sections = [
         _section("What was tried", parts),
         _section("Earlier states of the code", [_EARLIER_HEAD, *earlier] if earlier else []),
@@ -59,18 +57,18 @@ def _section(title: str, lines: Iterable[str]) -> str:
     return f"\n## {title}\n\n{text}\n" if text else ""
 
 
-def _row(item: Item, figures: Summary, hours: float | None) -> str:
+def _row(row: Row) -> str:
+    item, figures = row.item, row.today
     holds = "yes" if figures.holds else ("no" if figures.bad else "not all run")
     cells = (item.what, item.asked, f"{figures.done:,}", f"{figures.planned:,}", f"{figures.bad:,}")
-    last = ("" if hours is None else f"{hours:.2f}", f"`{figures.code}`")
+    last = (_hours(row.timing), f"`{figures.code}`")
     return f"| {' | '.join(cells)} | {100 * figures.share_95:.3g} % | {holds} | {' | '.join(last)} |"
 
 
-def _hours(found: Sequence[Summary]) -> float | None:
-    """For all of an item, at the rate of its code or of the last that was tried."""
-    rates = (one.seconds for one in (found[0], *reversed(found[1:])) if one.seconds is not None)
-    rate = next(rates, None)
-    return None if rate is None else rate * found[0].planned / _PROCESSES / 3600.0
+def _hours(timing: Timing | None) -> str:
+    if timing is None:
+        return ""
+    return f"{timing.hours:.2f}" if timing.load is None else f"{timing.hours:.2f}, load {timing.load:.0f}"
 
 
 def _kinds(figures: Summary) -> str:

@@ -15,7 +15,9 @@ import traceback
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,19 +26,36 @@ import structlog
 from benchmarks.evidence.code import commit
 from benchmarks.evidence.item import Item, Summary, Trial, summary
 from benchmarks.evidence.items import ITEMS
+from benchmarks.evidence.timing import Timing, timing
 from benchmarks.kept import keep_line, kept_lines
 
+Parts = list["Future[None]"]
 _RAM_DISK = Path("/dev/shm")  # survives a killed process as a disk does, and power cuts are replayed
 
 
-def summaries(item: Item, folder: Path) -> list[Summary]:
-    """What the kept results amount to: of today's code, and of each earlier state that has any."""
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What the kept results of an item amount to."""
+
+    item: Item
+    today: Summary
+    earlier: tuple[Summary, ...]  # states of the code that have any, the oldest first
+    timing: Timing | None  # at the rate of today's code, or of the last that was tried
+
+
+def row(item: Item, folder: Path) -> Row:
+    """By all that is kept in the folder."""
     by_code: defaultdict[str, dict[int, Trial]] = defaultdict(dict)
-    by_code[item.code] = {}
     for trial in kept_lines(_file(item, folder)):
         by_code[trial["code"]].setdefault(trial["number"], trial)
-    planned = item.count(prepared(item, folder)) * item.executions
-    return [summary(code, list(trials.values()), planned) for code, trials in by_code.items()]
+    of_today = list(by_code.pop(item.code, {}).values())
+    states = {code: list(trials.values()) for code, trials in by_code.items()}
+    count = item.count(prepared(item, folder))
+    today, *earlier = (
+        summary(code, trials, count * item.executions) for code, trials in ({item.code: of_today} | states).items()
+    )
+    last_tried = of_today or next(reversed(states.values()), [])
+    return Row(item, today, tuple(earlier), timing(item, last_tried, count))
 
 
 def prepared(item: Item, folder: Path) -> Path:
@@ -63,16 +82,20 @@ def workers(processes: int) -> Iterator[ProcessPoolExecutor]:
         pool.shutdown(cancel_futures=True)
 
 
-def run(item: Item, folder: Path, share: float, pool: ProcessPoolExecutor) -> bool:
-    """What is missing of an item's trials; False where it could not all be run."""
+def begin(item: Item, folder: Path, share: float, pool: ProcessPoolExecutor) -> Parts:
+    """Have what is missing of an item's trials run, behind what was begun before."""
     inputs = prepared(item, folder)
     known = {trial["number"] for trial in kept_lines(_file(item, folder)) if trial["code"] == item.code}
     todo = [number for number in range(math.ceil(item.count(inputs) * share)) if number not in known]
     parts = [todo[first : first + item.at_once] for first in range(0, len(todo), item.at_once)]
-    futures = [pool.submit(_run_part, item.name, folder, inputs, part) for part in parts]
+    return [pool.submit(_run_part, item.name, folder, inputs, part) for part in parts]
+
+
+def finish(item: Item, parts: Parts) -> bool:
+    """Wait for them; False where they could not all be run."""
     started_s, whole = time.monotonic(), True
-    for done, future in enumerate(as_completed(futures), 1):
-        whole &= _told(future)
+    for done, part in enumerate(as_completed(parts), 1):
+        whole &= _told(part)
         left_min = (time.monotonic() - started_s) / done * (len(parts) - done) / 60.0
         print(f"\r{item.name}: {done} of {len(parts)} parts, {left_min:.0f} min left ", end="", file=sys.stderr)
     return whole
@@ -81,6 +104,8 @@ def run(item: Item, folder: Path, share: float, pool: ProcessPoolExecutor) -> bo
 def _told(future: "Future[None]") -> bool:
     """Whether a part ran to its end; a harness that failed is no result, and the other parts go on."""
     error = future.exception()
+    if isinstance(error, BrokenProcessPool):
+        raise error
     if error is not None:
         print("", *traceback.format_exception(error), sep="\n", file=sys.stderr)
     return error is None
@@ -112,11 +137,11 @@ def _run_trials(name: str, folder: Path, inputs: Path, numbers: Sequence[int]) -
     """Each kept as soon as it is done."""
     item = next(item for item in ITEMS if item.name == name)
     at, before_s = commit(), _spent_s(item)
-    for trial in item.trials(inputs, numbers):
+    for place, trial in enumerate(item.trials(inputs, numbers)):
         now_s = _spent_s(item)
-        state = {"seconds": round(now_s - before_s, 5), "code": item.code, "commit": at}
+        timed = {"seconds": round(now_s - before_s, 5), "first": place == 0, "load": os.getloadavg()[0]}
         before_s = now_s
-        keep_line(_file(item, folder), trial | state)
+        keep_line(_file(item, folder), trial | timed | {"code": item.code, "commit": at})
         if trial["bad"]:
             print(f"\nbad: {name}: {json.dumps(trial)}", file=sys.stderr)
 

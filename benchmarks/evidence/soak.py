@@ -18,7 +18,7 @@ from benchmarks.evidence.kept_images import KeptImages
 from benchmarks.evidence.served_room import serve_room
 from coaxial_client import Case
 from tests.system.conftest import CASE, prepare
-from tests.system.service_process import PIN
+from tests.system.service_process import PIN, Service
 from tests.system.walk import Held, Walk
 
 # Of a run, in which what is made once and kept is made: connections of pools, caches, the image worker's memory.
@@ -64,7 +64,7 @@ class SoakedRoom:
     """A service over a simulated controller, and a C-arm with two images."""
 
     def __init__(self, opened: ExitStack, folder: Path) -> None:
-        self._service, self._controller = serve_room(opened, folder)
+        self._service, self._controller = serve_room(opened, folder, Service)
         self._images = KeptImages(self._service, str(CASE["patient_id"]), str(CASE["study_uid"]))
         self._report = folder / "report.pdf"
         self._start: dict[str, list[float]] | None = None  # the arm's pose before the first motion

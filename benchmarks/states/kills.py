@@ -1,7 +1,9 @@
 """SIGKILL of the running service at random moments: what was acknowledged is there, once, and nothing moves.
 
 `coaxial serve` as a process, over a simulated controller; one case goes on from kill to kill. Motions are of a
-millimetre, and the C-arm sends one rendered image again and again, each time with pixels of its own.
+millimetre, and the C-arm sends one rendered image again and again, each time with pixels of its own. The first service
+of a part and every twentieth behind it is started whole; the others are forked from a process that has imported
+everything, since the imports took most of a trial's time.
 """
 
 import threading
@@ -9,6 +11,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
@@ -19,13 +22,14 @@ import numpy as np
 
 from benchmarks.evidence.power_loss import look
 from benchmarks.evidence.served_room import serve_room
+from benchmarks.stop.forked_service import ForkedService, Nursery
 from coaxial_client import Case, NoAnswer, Refused
 from service.cases import store
 from service.cases.records import StoredEvent
 from service.database.engines import open_database
 from tests.system.carm import CArm
 from tests.system.conftest import CASE
-from tests.system.service_process import PIN
+from tests.system.service_process import PIN, Service
 from tests.system.walk import lift, tilted_guide, until
 
 Trial = dict[str, Any]
@@ -33,7 +37,37 @@ Trial = dict[str, Any]
 _SPANS_S = {"words": 0.5, "motion": 3.0, "image": 4.0}
 _MOTION_MM = 1.0
 _PATIENCE_S = 120.0  # for an arm that is seen again
-_QUIET_S = 0.5  # after a start: an arm that was to go on would have begun
+_QUIET_S = 0.5  # after a start, at least: an arm that was to go on would have begun
+_WHOLE_EVERY = 20  # starts
+
+
+@dataclass
+class KilledService(ForkedService):
+    """Started whole at first and every twentieth time, forked otherwise."""
+
+    _starts: int = field(init=False, default=-1)
+
+    def start(self) -> None:
+        """Start, and wait for the address."""
+        self._starts += 1
+        self._kind.start(self)
+
+    def kill(self) -> None:
+        """As a power switch would."""
+        self._kind.kill(self)
+
+    def end(self) -> None:
+        """As an operator would."""
+        self._kind.end(self)
+
+    @property
+    def started(self) -> str:
+        """How the one that runs was."""
+        return "started whole" if self._kind is Service else "forked"
+
+    @property
+    def _kind(self) -> type[Service]:
+        return Service if self._starts % _WHOLE_EVERY == 0 else ForkedService
 
 
 @dataclass
@@ -121,44 +155,62 @@ class KilledRoom:
     """A service and a controller; the service is killed and started again."""
 
     def __init__(self, opened: ExitStack, folder: Path) -> None:
-        self.service, self.controller = serve_room(opened, folder)
+        nursery = Nursery()
+        opened.callback(nursery.close)
+        self.service, self.controller = serve_room(opened, folder, partial(KilledService, nursery=nursery))
         with self.service.sign_in() as client:
             case = client.open_case(CASE)
             case.command("guide-state-stated", guide="empty")
             self._case_id = case.id
         self._carm = CArm(self.service, str(CASE["patient_id"]), str(CASE["study_uid"]))
         self._image = self._carm.image(tilted_guide())
+        self._clients = opened.enter_context(ExitStack())  # that of the service which runs
+        self._case = self._signed_in()
+        self._make_ready()
 
     def killed(self, number: int) -> Trial:
         """One kill; bad where something acknowledged is lost or there twice, or the arm moves afterwards."""
         random = Random(number)
-        about = random.choice(list(_SPANS_S))
-        with self.service.sign_in() as client:
-            procedure = Procedure(self._ready(client.case(self._case_id)), self._carm, self._image)
-            thread = threading.Thread(target=procedure.run, args=(about,))
-            thread.start()
-            time.sleep(random.uniform(0.0, _SPANS_S[about]))
-            self.service.kill()
-            thread.join()
+        about, started = random.choice(list(_SPANS_S)), self.service.started
+        procedure = self._kill_amid(about, random.uniform(0.0, _SPANS_S[about]))
         before = self._events()
         until(lambda: not self.controller.state().moving, _PATIENCE_S)
         stood_rad = np.array(self.controller.state().joints_rad)
         corrupt = look(self.service.folder)[1]
-        self.service.start()
-        with self.service.sign_in() as client:
-            procedure.case = client.case(self._case_id)
-            procedure.say_again()
-        time.sleep(_QUIET_S)
+        self._start_again(procedure)
         moved = not np.array_equal(stood_rad, self.controller.state().joints_rad)
         said = corrupt or _against(procedure.acknowledged, before, self._events()) or "the arm moved" * moved
-        kind = f"{about}, {before[-1].state}"
+        kind = f"{about}, {before[-1].state}, {started}"
         acknowledged = len(procedure.acknowledged.events)
         return {"number": number, "kind": kind, "bad": bool(said), "acknowledged": acknowledged, "said": said}
 
-    def _ready(self, case: Case) -> Case:
-        case.take_lease("the next procedure")
-        until(lambda: _is_calm(case), _PATIENCE_S)
-        return case
+    def _kill_amid(self, about: str, after_s: float) -> Procedure:
+        """The procedure amid which the service was killed, so long after its beginning."""
+        procedure = Procedure(self._case, self._carm, self._image)
+        thread = threading.Thread(target=procedure.run, args=(about,))
+        thread.start()
+        time.sleep(after_s)
+        self.service.kill()
+        thread.join()
+        self._clients.close()
+        return procedure
+
+    def _start_again(self, procedure: Procedure) -> None:
+        """Say once more what was in flight, then wait until the arm is seen, calm, and free to move."""
+        self.service.start()
+        quiet_until_s = time.monotonic() + _QUIET_S
+        self._case = procedure.case = self._signed_in()
+        procedure.say_again()
+        self._make_ready()
+        time.sleep(max(0.0, quiet_until_s - time.monotonic()))
+
+    def _signed_in(self) -> Case:
+        return self._clients.enter_context(self.service.sign_in()).case(self._case_id)
+
+    def _make_ready(self) -> None:
+        """For the next procedure."""
+        self._case.take_lease("the next procedure")
+        until(lambda: _is_calm(self._case), _PATIENCE_S)
 
     def _events(self) -> list[StoredEvent]:
         """As they are on the disk."""

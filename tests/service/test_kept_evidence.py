@@ -1,12 +1,15 @@
 """Which kept results of `make evidence` count: those of the code that is there, and of no other."""
 
+from dataclasses import replace
+
 import pytest
 
 from benchmarks.evidence.code import fingerprint, imported
 from benchmarks.evidence.item import Item
 from benchmarks.evidence.items import ITEMS
 from benchmarks.evidence.page import page
-from benchmarks.evidence.runs import summaries
+from benchmarks.evidence.runs import row
+from benchmarks.evidence.timing import timing
 from benchmarks.kept import keep_line
 
 _ITEM = Item("one", "something", "0 bad", lambda _: 3, lambda *_: iter(()), 1, modules=("benchmarks.kept",))
@@ -55,12 +58,28 @@ def test_a_result_of_other_code_is_told_apart_and_a_trial_done_twice_counts_once
     for number, code in ((0, "earlier"), (1, "earlier"), (0, _ITEM.code), (0, _ITEM.code), (2, _ITEM.code)):
         trial = {"number": number, "kind": "tried", "bad": code == "earlier", "seconds": 72.0}
         keep_line(tmp_path / "one.jsonl", trial | {"code": code, "commit": "abc"})
-    today, earlier = summaries(_ITEM, tmp_path)
+    found = row(_ITEM, tmp_path)
+    today, (earlier,) = found.today, found.earlier
     assert (today.code, today.done, today.planned, today.bad, today.holds) == (_ITEM.code, 2, 3, 0, False)
     assert (earlier.code, earlier.done, earlier.bad) == ("earlier", 2, 2)
-    text = page([(_ITEM, [today, earlier])])
+    text = page([found])
     assert f"| 2 | 3 | 0 | 84.2 % | not all run | 0.03 | `{_ITEM.code}` |" in text
     assert "| something | `earlier` | abc | 2 | 2 |" in text
+
+
+def test_the_hours_of_a_row_reckon_what_a_part_begins_with_once_a_part():
+    item = replace(_ITEM, at_once=10)
+    trials = [{"seconds": 600.0, "first": True}, *[{"seconds": 72.0, "first": False}] * 4]
+    assert timing(item, trials, 100).hours == pytest.approx((10 * 600.0 + 90 * 72.0) / 7200.0)
+    assert timing(item, trials[1:], 100).hours == pytest.approx(1.0)  # nobody noted the first
+    assert timing(item, [], 100) is None
+
+
+def test_a_row_that_waits_tells_the_load_that_it_was_timed_under(tmp_path):
+    trial = {"number": 0, "kind": "tried", "bad": False, "seconds": 2400.0, "first": False, "load": 6.6}
+    keep_line(tmp_path / "one.jsonl", trial | {"code": _ITEM.code, "commit": "abc"})
+    assert "| 1.00 |" in page([row(_ITEM, tmp_path)])
+    assert "| 1.00, load 7 |" in page([row(replace(_ITEM, waits=True), tmp_path)])
 
 
 def test_every_row_says_of_which_code_it_is():
