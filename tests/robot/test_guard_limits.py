@@ -13,7 +13,7 @@ from robot.guard.deviation import PathWatch, has_kept_tcp
 from robot.guard.messages import BeginMove, EndCause
 from robot.guard.motion import MotionJudge, is_at
 from robot.guard.preflight import refuse_arm, refuse_payload, refuse_tcp
-from robot.guard.rest import RestWatch
+from robot.guard.rest import DisplacementWatch, RestWatch
 from robot.kinematics import base_from_flange
 
 TURN = np.eye(4)
@@ -137,3 +137,18 @@ def test_an_arm_has_left_its_place_beyond_what_counts_for_nothing(
     for limit, cause in ((figure, EndCause.NOT_STARTED), (below(figure), None)):
         monkeypatch.setattr(motion, name, limit)
         assert MotionJudge(move, start, np.zeros(3), 0.0).judge(late) is cause
+
+
+@pytest.mark.hazard("H04")
+@pytest.mark.parametrize(("aside", "name"), [(STEP, "DISTURBED_MM"), (TURN, "DISTURBED_RAD")])
+def test_a_displacement_counts_beyond_its_limit_and_is_told_when_it_is_gathered(
+    reading: ArmState, monkeypatch: pytest.MonkeyPatch, aside: np.ndarray, name: str
+) -> None:
+    monkeypatch.setattr(rest, "_GATHERED_S", 0.5)
+    figure = distance_between(np.eye(4), aside)[0 if name == "DISTURBED_MM" else 1]
+    for limit, told in ((figure, False), (below(figure), True)):
+        monkeypatch.setattr(rest, name, limit)
+        watch = DisplacementWatch()
+        watch.observe(replace(reading, base_from_tcp=np.eye(4)))
+        away = [replace(reading, base_from_tcp=aside, received_at_s=time_s) for time_s in (1.0, 1.25, 1.5)]
+        assert [watch.observe(one) is not None for one in away] == [False, False, told]

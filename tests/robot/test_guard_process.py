@@ -8,7 +8,8 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
+from types import SimpleNamespace
 
 import pytest
 
@@ -18,6 +19,7 @@ from robot.guard.lines import encode
 from robot.guard.messages import Acknowledge, Heartbeat, Phase, ReleasePendant, Stop, StopSent
 
 PATIENCE_S = 20.0
+CYCLE_S = 0.008  # of a CB3 controller
 BEAT = Heartbeat("permit", 1, "challenge", True)
 
 
@@ -57,6 +59,9 @@ class Ends:
 
     def push(self) -> None:
         self.pushed += 1
+
+    def put(self, event: object) -> None:
+        raise AssertionError(event)
 
     def is_stuck(self) -> bool:
         return self.stuck
@@ -101,10 +106,30 @@ def test_a_turn_takes_all_that_has_arrived_and_says_whether_the_parent_is_gone()
 @pytest.mark.hazard("H32")
 def test_commands_without_end_do_not_keep_a_turn_from_its_end() -> None:
     guard, inbox = Guard(), SimpleQueue()
+    inbox.put(process._Parent.GONE)
     for _ in range(1000):
         inbox.put(BEAT)
-    process._handle(guard, inbox)
+    assert process._handle(guard, inbox) is True
     assert len(guard.told) < 100  # the arm is looked at before the rest
+    assert process._handle(guard, inbox) is False
+
+
+@pytest.mark.hazard("H32")
+def test_a_turn_waits_for_less_than_a_cycle_of_the_arm_and_only_if_nothing_has_arrived(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    waits_s: list[float] = []
+
+    def get(timeout: float) -> Heartbeat:
+        waits_s.append(timeout)
+        if len(waits_s) > 2:
+            raise Empty
+        return BEAT
+
+    monkeypatch.setattr(process, "time", SimpleNamespace(monotonic=lambda: 100.0))
+    process._handle(Guard(), SimpleNamespace(get=get))
+    assert 0.0 < waits_s[0] < CYCLE_S
+    assert waits_s[1:] == [0.0, 0.0]
 
 
 def test_a_guard_whose_parent_is_gone_stops_once_and_goes_on_until_the_arm_is_at_rest() -> None:
@@ -138,8 +163,9 @@ def test_a_guard_that_cannot_go_on_ends_once_the_arm_is_at_rest(cause: str) -> N
 
 @pytest.fixture
 def own_signals() -> Iterator[None]:
-    """This process as it was, whatever a guard's process does to its own."""
+    """This process as it was, whatever a guard's process does to its own, and with a terminal's interrupt heeded."""
     handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, ())
     yield
     os.close(signal.set_wakeup_fd(-1))
@@ -162,6 +188,50 @@ def test_a_process_that_is_asked_to_end_stops_the_arm_first() -> None:
     assert guard.told == ["asked to end"]
     assert drained(inbox) == [process._Parent.GONE]
     os.close(asked)
+
+
+def test_what_a_library_prints_does_not_reach_the_pipe_of_the_events(capfd: pytest.CaptureFixture[str]) -> None:
+    events = process._take_stdout()
+    os.write(1, b"noise")
+    os.write(events, b"event")
+    os.dup2(events, 1)
+    os.close(events)
+    assert capfd.readouterr() == ("event", "noise")
+
+
+def test_a_guard_s_process_is_ready_before_its_loop_and_leaves_its_journal_whole(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    did: list[str] = []
+    threads: SimpleQueue[tuple[str, bool]] = SimpleQueue()
+
+    def noted(what: str, answer: object = None) -> Callable[..., object]:
+        return lambda *_, **named: (did.append(" ".join((what, *map(str, named.values())))), answer)[1]
+
+    def running(*_: object) -> None:
+        threads.put((threading.current_thread().name, threading.current_thread().daemon))
+
+    journal, arm = SimpleNamespace(close=noted("journal closed")), SimpleNamespace(close=noted("arm closed"))
+    answers = {
+        "_take_stdout": 1,
+        "Outbox": Ends(),
+        "Journal": journal,
+        "UR5": arm,
+        "Guard": Guard(),
+        "_heed_signals": 0,
+    }
+    steps = ("take_short_turns", "take_precedence", "end_with_parent", "spare_what_is_loaded", "_turn_until_over")
+    for name in (*answers, *steps):
+        monkeypatch.setattr(process, name, noted(name, answers.get(name)))
+    for name in ("_receive", "_await_end"):
+        monkeypatch.setattr(process, name, running)
+    monkeypatch.setattr(process.os, "_exit", lambda status: did.append(f"exit {status}"))
+    process.run("10.0.0.1", tmp_path)
+    assert sorted(threads.get(timeout=PATIENCE_S) for _ in range(2)) == [("commands", True), ("end", True)]
+    assert did.index("take_precedence True") < did.index("UR5")  # which has threads of its own
+    *before, loop, first, second, last = did
+    assert {"take_short_turns", "_heed_signals", "end_with_parent", "spare_what_is_loaded"} <= set(before)
+    assert (loop, first, second, last) == ("_turn_until_over", "journal closed", "arm closed", "exit 0")
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from robot.arm import ArmState
+from robot.guard.guard import STATUS_S, Guard
 from robot.guard.journal import EVENTS_FILE, read_lines
 from robot.guard.messages import (
     Acknowledge,
@@ -16,6 +17,7 @@ from robot.guard.messages import (
     Event,
     Fault,
     FaultKind,
+    Heartbeat,
     MotionEnded,
     MotionStarted,
     MoveRefused,
@@ -48,6 +50,14 @@ def test_a_status_goes_out_forty_times_a_second_and_no_more_often(room: Room) ->
     assert 35 <= len(statuses) <= 40
     assert [one.sequence for one in statuses] == list(range(statuses[0].sequence, statuses[0].sequence + len(statuses)))
     assert len({one.challenge for one in statuses}) == len(statuses)
+
+
+def test_the_first_status_goes_out_at_once_however_young_the_machine_and_the_next_when_it_is_due(room: Room) -> None:
+    room.read = lambda: None
+    turns_s, told_of = iter((0.0, 0.999 * STATUS_S, STATUS_S)), []
+    guard = Guard(room, room.journal, told_of.append, lambda: next(turns_s))
+    told_by = [(guard.tick(), len(told_of))[1] for _ in range(3)]
+    assert told_by == [1, 1, 2]
 
 
 def test_a_motion_is_told_from_its_permit_to_its_end(room: Room, move: BeginMove, tmp_path: Path) -> None:
@@ -91,6 +101,9 @@ def test_a_status_names_the_permit_of_the_motion_whoever_else_holds(room: Room, 
     room.turn(0.03)
     assert room.newest(Status).permit_id == "permit-1"
     assert room.newest(Status).held is True
+    room.guard.handle(Heartbeat("permit-2", 1, room.challenge(), True))
+    room.turn(0.03)
+    assert (room.newest(Status).phase, room.newest(Status).permit_id) == (Phase.STOPPING, "permit-1")
 
 
 def test_a_stop_without_a_motion_is_told_and_hinders_none_after_an_acknowledgement(room: Room, move: BeginMove) -> None:
