@@ -1,13 +1,13 @@
 """How near the registration comes to what the pixels allow, and where the rest goes.
 
-    python benchmarks/efficiency.py [--count N] [--first SEED]
+    python benchmarks/efficiency.py [--count N] [--first SEED] [--strata NAME ...]
 
 Per stratum: the root mean square of the targeting error, and how many times greater it is than two Cramer-Rao bounds:
 one that knows the background (`pixel_bound.py`), and one for which the background is noise as well
 (`background_bound.py`), since an estimator must learn it from the same pixels. Then the share of the squared error that
 another draw of the quanta repeats, which is what background and model make, and how much of it background as unknown as
 that explains: the rest is the estimator's own. The guide is made as its file says and the file's tolerances are taken
-for nothing, as in the bounds. The strata without patient, distortion or noise show what each costs.
+for nothing, as in the bounds. The strata without patient, housing, distortion or noise show what each costs.
 """
 
 import argparse
@@ -25,6 +25,7 @@ from samples import Sample, registered
 
 from simulator.carm.distortion import NO_DISTORTION
 from simulator.carm.drawing import random_scene
+from simulator.carm.guide import ALL_PARTS, Part
 from simulator.carm.quick_render import render_quickly
 from simulator.carm.scene import Scene
 from vision.devices import Guide, read_guide
@@ -53,13 +54,25 @@ class Stratum:
         return replace(scene, exposure=replace(scene.exposure, photons=self.photons))
 
 
+def _without_patient(scene: Scene) -> Scene:
+    return replace(scene, body=None)
+
+
+def _without_housing(scene: Scene) -> Scene:
+    """The guide's wires and bead in the air: no edge of a tube runs beside them."""
+    bare = [replace(one, shape=replace(one.shape, parts=ALL_PARTS - {Part.HOUSING})) for one in scene.guides]
+    return replace(scene, guides=tuple(bare))
+
+
 STRATA = (
     Stratum("intensifier", "ii"),
     Stratum("steep", "steep"),
     Stratum("flat panel", "flat"),
     Stratum("third of dose", "ii", NOMINAL_DOSE / 3.0),
     Stratum("three doses", "ii", NOMINAL_DOSE * 3.0),
-    Stratum("no patient", "ii", change=lambda scene: replace(scene, body=None)),
+    Stratum("no patient", "ii", change=_without_patient),
+    Stratum("flat, empty", "flat", change=_without_patient),
+    Stratum("no housing", "flat", change=lambda scene: _without_housing(_without_patient(scene))),
     Stratum("no distortion", "ii", change=lambda scene: replace(scene, distortion=NO_DISTORTION)),
     Stratum("hardly noise", "ii", NOMINAL_DOSE * 1e3),
 )
@@ -136,10 +149,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=12, help="scenes of each stratum, each with two draws of noise")
     parser.add_argument("--first", type=int, default=5000, help="seed of the first (default 5000)")
+    parser.add_argument("--strata", nargs="+", choices=[one.name for one in STRATA], help="by default all")
     options = parser.parse_args()
     guide = known_guide()
     print(f"{'':>27} {'deg:':<55} mm:\n{'stratum':>14} {'n':>4} {'refused':>7} {HEAD} {HEAD}")
     for stratum in STRATA:
+        if options.strata and stratum.name not in options.strata:
+            continue
         seeds = range(options.first, options.first + options.count)
         found = [outcome(stratum.scene(seed), guide, seed) for seed in seeds]
         good = [one for one in found if isinstance(one, Outcome)]
