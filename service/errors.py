@@ -200,7 +200,7 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.DATABASE_BUSY: Answer(503, "Try again in a moment; nothing was changed."),
     ErrorCode.SCHEMA_UNKNOWN: Answer(503, "Start the version that wrote the database, or a newer one."),
     ErrorCode.SCHEMA_OLD: Answer(
-        503, "Run `coaxial db upgrade` as the owner of the database, with --role for this one."
+        503, "Back up, then run `coaxial db upgrade`; on PostgreSQL as the owner, with --role for the service's role."
     ),
     ErrorCode.BACKUP_REFUSED: Answer(
         409,
@@ -210,7 +210,7 @@ ANSWERS: dict[str, Answer] = {
         503, "Run `coaxial audit verify` and keep the database as it is; stop still works."
     ),
     ErrorCode.KEY_REFUSED: Answer(
-        500, "Give the file to its owner alone (mode 0600), or name another in the settings."
+        500, "Name the right file, and give a private key to the service's user alone (mode 0600)."
     ),
     ErrorCode.ROOM_CLAIMED: Answer(409, "Stop the other service of this room, or give this one a room of its own."),
     ErrorCode.PEER_UNREACHABLE: Answer(502, "Check the peer's address and AE title in the settings, and its own log."),

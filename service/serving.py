@@ -10,6 +10,7 @@ from fastapi import FastAPI
 from robot.guard.pauses import spare_what_is_loaded, take_short_turns
 from service.app import create_app
 from service.connections import BACKLOG, PromptProtocol, allow_descriptors
+from service.errors import ErrorCode, ServiceError
 from service.settings import Settings
 
 
@@ -17,8 +18,12 @@ class _Server(uvicorn.Server):
     """Tells the address once the socket listens."""
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Listen, then print where: port 0 means that nobody knows before."""
-        await super().startup(sockets)
+        """Listen, then print where: port 0 means that nobody knows before; ServiceError where that is taken."""
+        try:
+            await super().startup(sockets)
+        except SystemExit as error:  # uvicorn's own end, its reason logged
+            message = f"cannot listen for HTTP on {self.config.host}:{self.config.port}"
+            raise ServiceError(ErrorCode.SETTINGS_REFUSED, message) from error
         if self.started:
             host, port = self.servers[0].sockets[0].getsockname()[:2]
             print(f"Coaxial listens on http://{host}:{port}", flush=True)

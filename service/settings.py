@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+import sqlalchemy as sa
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 from pydantic_settings import BaseSettings, PydanticBaseSettingsSource, SettingsConfigDict, TomlConfigSettingsSource
 
 from service.errors import ErrorCode, ServiceError
@@ -145,6 +146,19 @@ class Settings(BaseSettings):
     arm_accuracy: ArmAccuracy = ArmAccuracy()
     audit: AuditSettings = AuditSettings()
 
+    @field_validator("database_url")
+    @classmethod
+    def _is_known(cls, url: str) -> str:
+        """Refuse what no engine here opens, without saying it: a password may be in it."""
+        try:
+            address = sa.make_url(url)
+        except (sa.exc.ArgumentError, ValueError):
+            address = None
+        backend = address and address.get_backend_name()
+        if address is None or not (backend == "postgresql" or (backend == "sqlite" and address.database)):
+            raise ValueError("neither sqlite:///FILE nor postgresql://USER@HOST/NAME")
+        return url
+
     @property
     def key_file(self) -> Path:
         """The key that signs checkpoints."""
@@ -181,7 +195,7 @@ class Settings(BaseSettings):
 def load_settings(file: Path | None = None, overrides: Mapping[str, Any] | None = None) -> Settings:
     """Settings from `file`, environment and `overrides`; raises ServiceError naming the key that is wrong."""
     if file is not None and not file.is_file():
-        raise ServiceError(ErrorCode.SETTINGS_REFUSED, f"settings file {file} does not exist")
+        raise ServiceError(ErrorCode.SETTINGS_REFUSED, f"settings file {file} does not exist, or is no file")
 
     class FileSettings(Settings):
         model_config = SettingsConfigDict(toml_file=file)

@@ -4,7 +4,7 @@ import hashlib
 import json
 import zipfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -39,8 +39,10 @@ def write_archive(out: Path, members: Mapping[str, bytes], manifest: bytes, sign
                 file.writestr(information, everything[name])
         part.replace(out)
     except OSError as error:
-        part.unlink(missing_ok=True)
         raise ServiceError(ErrorCode.ARCHIVE_REFUSED, f"{out} cannot be written ({error.strerror})") from error
+    finally:
+        with suppress(OSError):  # as where its folder is none
+            part.unlink(missing_ok=True)
 
 
 class Archive:
@@ -83,7 +85,9 @@ def open_archive(path: Path) -> Iterator[Archive]:
     """Open an archive; ServiceError ARCHIVE_REFUSED where it is none."""
     try:
         file = zipfile.ZipFile(path)
-    except (OSError, zipfile.BadZipFile, ValueError) as error:
+    except OSError as error:
+        raise ServiceError(ErrorCode.ARCHIVE_REFUSED, f"{path} cannot be read ({error.strerror})") from error
+    except (zipfile.BadZipFile, ValueError) as error:
         raise ServiceError(ErrorCode.ARCHIVE_REFUSED, f"{path.name} is no archive of a case") from error
     with file:
         yield Archive(file)

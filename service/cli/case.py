@@ -1,6 +1,7 @@
 """`coaxial case`: a case as a report, or as one file to be kept, checked, given away or brought elsewhere.
 
-Exit status: 0 done, 1 the check found something, 3 refused. What is heavy is imported where it is used.
+Exit status: 0 done, 1 the check found something, 2 a report that cannot be written, 3 refused. What is heavy is
+imported where it is used.
 """
 
 from pathlib import Path
@@ -8,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from service.cli.site import REFUSED, ConfigOption, DataFolderOption, site_settings
+from service.cli.site import ConfigOption, DataFolderOption, in_one_line, site_settings
+from service.cli.streams import write_file
 
 if TYPE_CHECKING:
     from service.ledger.keys import Verifier
@@ -55,7 +57,7 @@ def report_one(
     with site_settings(config, data_folder) as settings, current_database(settings) as database:
         content = asyncio.run(make())
     file = out or Path(f"case-{case_id}.pdf")
-    file.write_bytes(content)
+    write_file(file, content)
     typer.echo(str(file))
 
 
@@ -83,14 +85,9 @@ def verify_file(file: ArchiveFile, public_key: PublicKeys = None) -> None:
     """Check an archive by itself: signature, chain, every row and every byte; say where it fails."""
     from service.archive.checking import check_archive
     from service.archive.container import open_archive
-    from service.errors import ServiceError
 
-    try:
-        with open_archive(file) as archive:
-            manifest, found = archive.manifest, check_archive(archive, _trusted(public_key))
-    except ServiceError as error:
-        typer.echo(f"{error.code}: {error.message}", err=True)
-        raise typer.Exit(REFUSED) from error
+    with in_one_line(), open_archive(file) as archive:
+        manifest, found = archive.manifest, check_archive(archive, _trusted(public_key))
     for finding in found.findings[:_SHOWN]:
         typer.echo(f"{finding.where}: {finding.what}")
     if manifest["pseudonymised"] is not None:

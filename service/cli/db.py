@@ -34,27 +34,43 @@ def upgrade(
 
 
 @db.command()
-def backup(file: Path, config: ConfigOption = None, data_folder: DataFolderOption = None) -> None:
-    """Write the whole database to a new file, also while the service runs; the copy holds the entry that says so."""
+def backup(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A new file; it holds everything, patients too.")],
+    config: ConfigOption = None,
+    data_folder: DataFolderOption = None,
+) -> None:
+    """Write the whole database to a new file, also while the service runs; the copy holds the entry that says so.
+
+    A database of an older version is copied as it is, and not upgraded, before an upgrade is tried.
+    """
     from service.audit import record_audit
     from service.database.backup import back_up
-    from service.database.current import current_database
+    from service.database.current import database_as_it_is
+    from service.database.migrate import is_current, version_of
 
-    with site_settings(config, data_folder) as settings, current_database(settings) as database:
-        with database.write() as connection:
-            record_audit(connection, "backed_up", None, {"file": file.name})
+    with site_settings(config, data_folder) as settings, database_as_it_is(settings) as database:
+        if is_current(database):
+            with database.write() as connection:
+                record_audit(connection, "backed_up", None, {"file": file.name})
+        else:
+            typer.echo(f"of version {version_of(database)}: copied as it is, and no entry says so", err=True)
         back_up(database, file)
         typer.echo(f"backed up to {file}")
 
 
 @db.command()
-def restore(file: Path, config: ConfigOption = None, data_folder: DataFolderOption = None) -> None:
+def restore(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="What `coaxial db backup` wrote.")],
+    config: ConfigOption = None,
+    data_folder: DataFolderOption = None,
+) -> None:
     """Bring a backup into an empty database; then `coaxial audit verify` says what is missing since."""
     from service.database.backup import restore as bring_back
+    from service.database.current import make_data_folder
     from service.database.engines import open_database
 
     with site_settings(config, data_folder) as settings:
-        settings.data_folder.mkdir(parents=True, exist_ok=True)
+        make_data_folder(settings)
         database = open_database(settings.database_url)
         try:
             bring_back(database, file)

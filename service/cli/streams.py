@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TypeVar
@@ -78,12 +79,17 @@ def refusal_line(refusal: "Refusal", image: Mapping[str, Any]) -> dict[str, Any]
 
 
 def write_file(path: Path, data: bytes) -> None:
-    """Write a file, its folder made where missing; ends the command with one line where that cannot be done."""
+    """Write a file whole or not at all, its folder made where missing; ends the command where that cannot be done."""
+    part = path.with_name(f".{path.name}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(data)
+        part.write_bytes(data)
+        part.replace(path)
     except OSError as error:
         end_unusable(path, error.strerror or error)
+    finally:
+        with suppress(OSError):  # as where its folder is none
+            part.unlink(missing_ok=True)
 
 
 def _read(path: Path) -> bytes:

@@ -10,15 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from service.auth.permissions import Role
+from service.cli.site import ConfigOption, DataFolderOption, site_settings
 
 if TYPE_CHECKING:
     from service.auth.users import UserStore
 
 user = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True)
-
-_REFUSED = 3
-ConfigOption = Annotated[Path | None, typer.Option(help="Settings file (TOML); COAXIAL_ variables win.")]
-DataFolderOption = Annotated[Path | None, typer.Option(help="Where the database is kept.")]
 
 
 @user.callback()
@@ -50,7 +47,11 @@ def list_users(config: ConfigOption = None, data_folder: DataFolderOption = None
 
 
 @user.command()
-def disable(name: str, config: ConfigOption = None, data_folder: DataFolderOption = None) -> None:
+def disable(
+    name: Annotated[str, typer.Argument(help="Name to sign in with.")],
+    config: ConfigOption = None,
+    data_folder: DataFolderOption = None,
+) -> None:
     """End a user's access and sessions; the records keep the name."""
     with _user_store(config, data_folder) as store:
         store.disable(name)
@@ -61,16 +62,9 @@ def disable(name: str, config: ConfigOption = None, data_folder: DataFolderOptio
 def _user_store(config: Path | None, data_folder: Path | None) -> "Iterator[UserStore]":
     from service.auth.users import UserStore
     from service.database.current import current_database
-    from service.errors import ServiceError, answer_for
-    from service.settings import load_settings
 
-    overrides = {} if data_folder is None else {"data_folder": data_folder}
-    try:
-        with current_database(load_settings(config, overrides)) as database:
-            yield UserStore(database)
-    except ServiceError as error:
-        typer.echo(f"{error.code}: {error.message}. {answer_for(error.code).what_to_do}", err=True)
-        raise typer.Exit(_REFUSED) from error
+    with site_settings(config, data_folder) as settings, current_database(settings) as database:
+        yield UserStore(database)
 
 
 def _secret(variable: str, prompt: str) -> str:

@@ -8,7 +8,7 @@ import shutil
 import sqlite3
 import subprocess
 from collections.abc import Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 
 import sqlalchemy as sa
@@ -18,15 +18,25 @@ from service.errors import ErrorCode, ServiceError
 
 
 def back_up(database: Database, file: Path) -> None:
-    """Write one consistent moment of the database to a file that does not exist; ServiceError BACKUP_REFUSED."""
+    """Write one consistent moment of the database to a file that does not exist; ServiceError BACKUP_REFUSED.
+
+    The file is its owner's alone; an unfinished one never has the name, and goes away.
+    """
     if file.exists():
         raise _refused(f"{file} exists")
     part = file.with_name(f"{file.name}.part")
-    if _is_sqlite(database):
-        _copy(Path(str(database.reader.url.database)), part)
-    else:
-        _run("pg_dump", database, "--format=custom", f"--file={part}")
-    part.replace(file)
+    try:
+        part.touch(mode=0o600)
+        if _is_sqlite(database):
+            _copy(Path(str(database.reader.url.database)), part)
+        else:
+            _run("pg_dump", database, "--format=custom", f"--file={part}")
+        part.replace(file)
+    except OSError as error:
+        raise _refused(f"{file} cannot be written ({error.strerror})") from error
+    finally:
+        with suppress(OSError):  # as where its folder is none
+            part.unlink(missing_ok=True)
 
 
 def restore(database: Database, file: Path) -> None:
@@ -74,7 +84,7 @@ def _run(program: str, database: Database, *arguments: str) -> None:
     command: Sequence[str] = (program, f"--dbname={address}", "--no-password", *arguments)
     ended = subprocess.run(command, env=os.environ | secret, capture_output=True, text=True)  # noqa: S603  # no shell
     if ended.returncode != 0:
-        raise _refused(f"{program}: {ended.stderr.strip().splitlines()[-1:]}")
+        raise _refused(f"{program}: {' '.join(ended.stderr.split())}")
 
 
 def _refused(message: str) -> ServiceError:

@@ -2,10 +2,14 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
+
+import sqlalchemy as sa
 
 from service.database.engines import Database, open_database
 from service.database.free_space import check_free_space
-from service.database.migrate import migrate
+from service.database.migrate import is_current, migrate, version_of
+from service.errors import ErrorCode, ServiceError
 from service.ledger.anchor import advance_anchor
 from service.ledger.keys import signing_key
 from service.settings import Settings
@@ -14,7 +18,7 @@ from service.settings import Settings
 @contextmanager
 def current_database(settings: Settings) -> Iterator[Database]:
     """The database with the newest schema, for a command or the service; ServiceError where disk or schema refuse."""
-    settings.data_folder.mkdir(parents=True, exist_ok=True)
+    make_data_folder(settings)
     check_free_space(settings.data_folder, settings.min_free_bytes)
     signer = signing_key(settings.key_file)
     database = open_database(settings.database_url, signer)
@@ -24,3 +28,31 @@ def current_database(settings: Settings) -> Iterator[Database]:
         advance_anchor(database, settings.anchor_file, signer)
     finally:
         database.close()
+
+
+@contextmanager
+def database_as_it_is(settings: Settings) -> Iterator[Database]:
+    """The database with whatever schema it has, none made and none changed; ServiceError DATABASE_FAULT without one."""
+    address = sa.make_url(settings.database_url)
+    if address.get_backend_name() == "sqlite" and not Path(str(address.database)).is_file():
+        raise ServiceError(ErrorCode.DATABASE_FAULT, f"there is no database {address.database}")
+    signer = signing_key(settings.key_file)
+    database = open_database(settings.database_url, signer)
+    try:
+        if version_of(database) is None:
+            raise ServiceError(ErrorCode.DATABASE_FAULT, "the database is empty")
+        yield database
+        if is_current(database):
+            advance_anchor(database, settings.anchor_file, signer)
+    finally:
+        database.close()
+
+
+def make_data_folder(settings: Settings) -> None:
+    """The data folder, where there is none yet its owner's alone; ServiceError SETTINGS_REFUSED."""
+    folder = settings.data_folder
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"the data folder {folder} cannot be made ({error.strerror})"
+        raise ServiceError(ErrorCode.SETTINGS_REFUSED, message) from error

@@ -156,4 +156,6 @@ def _fault(error: DBAPIError) -> ServiceError:
         return ServiceError(ErrorCode.DATABASE_BUSY, "another writer held the database too long", limit=_BUSY_S)
     if "full" in text or "No space" in text:
         return ServiceError(ErrorCode.DISK_FULL, "the disk is full")
-    return ServiceError(ErrorCode.DATABASE_FAULT, f"the database cannot be used ({type(error.orig).__name__})")
+    # Before any statement it is about address, rights or file; later its text may quote what is recorded.
+    reason = type(error.orig).__name__ if error.statement else " ".join(text.split())
+    return ServiceError(ErrorCode.DATABASE_FAULT, f"the database cannot be used ({reason})")

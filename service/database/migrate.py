@@ -54,6 +54,11 @@ def newest_version() -> str | None:
     return ScriptDirectory.from_config(_config()).get_current_head()
 
 
+def is_current(database: Database) -> bool:
+    """Whether the schema is the one that this program writes."""
+    return version_of(database) == newest_version()
+
+
 def _config() -> Config:
     config = Config()
     config.set_main_option("script_location", str(Path(migrations.__file__).parent).replace("%", "%%"))

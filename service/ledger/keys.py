@@ -61,7 +61,14 @@ class Signer:
 
 
 def signing_key(file: Path) -> Signer:
-    """The key in `file`, made where there is none; ServiceError KEY_REFUSED where others may read it."""
+    """The key in `file`, made where there is none; ServiceError KEY_REFUSED, as where others may read it."""
+    try:
+        return _private_key(file)
+    except OSError as error:
+        raise _unreadable(file, error) from error
+
+
+def _private_key(file: Path) -> Signer:
     if not file.exists():
         _make_key(file)
     owner, mode = file.stat().st_uid, stat.S_IMODE(file.stat().st_mode)
@@ -82,7 +89,9 @@ def public_key(file: Path) -> Verifier:
     """The public key in `file` (PEM); ServiceError KEY_REFUSED."""
     try:
         return public_key_in(file.read_bytes())
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        raise _unreadable(file, error) from error
+    except ValueError as error:
         raise ServiceError(ErrorCode.KEY_REFUSED, f"{file} holds no public Ed25519 key") from error
 
 
@@ -97,6 +106,10 @@ def public_key_in(pem: bytes) -> Verifier:
 def public_file(file: Path) -> Path:
     """Where the public half of a key file lies."""
     return file.with_suffix(".pub")
+
+
+def _unreadable(file: Path, error: OSError) -> ServiceError:
+    return ServiceError(ErrorCode.KEY_REFUSED, f"{file} cannot be read or made ({error.strerror})")
 
 
 def _make_key(file: Path) -> None:

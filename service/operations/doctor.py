@@ -4,6 +4,7 @@ It changes nothing: no database, no key and no folder is made by looking.
 """
 
 import errno
+import os
 import shutil
 import socket
 import subprocess
@@ -31,6 +32,7 @@ _CONNECT_S = 1.0
 _ASK_S = 5.0
 # A record is dated when its transaction begins; another writer's clock may be this much ahead.
 _CLOCK_APART_S = 5.0
+_AS_ITS_OWNER = "Run this as the service's user, and give the data folder with all in it to that user"
 
 
 def examine(settings: Settings) -> list[CheckItem]:
@@ -39,7 +41,9 @@ def examine(settings: Settings) -> list[CheckItem]:
         _disk,
         _clock,
         _key,
+        _anchor,
         _database,
+        _http,
         _arm,
         _dicom,
         _peers,
@@ -54,15 +58,19 @@ def _typed(look: Callable[[Settings], Iterable[CheckItem]], settings: Settings) 
     except ServiceError as error:
         cure = answer_for(error.code).what_to_do
         yield item(error.code, False, error.measured or error.message, error.limit, "", cure)
+    except OSError as error:
+        told = f"{error.filename}: {error.strerror}"
+        yield item("file_access", False, told, "readable", "", f"{_AS_ITS_OWNER}.")
 
 
 def _disk(settings: Settings) -> Iterable[CheckItem]:
     folder = settings.data_folder
     if not folder.is_dir():
-        yield item(
-            "data_folder", False, str(folder), "a folder", "", "Add a first user: `coaxial user add`; it makes it."
-        )
+        cure = "Add a first user: `coaxial user add`; it makes the folder, unless something else has its name."
+        yield item("data_folder", False, str(folder), "a folder", "", cure)
         return
+    writable = os.access(folder, os.W_OK | os.X_OK)
+    yield item("data_folder_writable", writable, str(folder), "writable", "", f"{_AS_ITS_OWNER}; mount it for writing.")
     free = shutil.disk_usage(folder).free
     cure = "Free space on the data folder's disk, or move the folder; without it nothing is recorded and nothing moves."
     yield item("disk_free", free >= settings.min_free_bytes, free, settings.min_free_bytes, "bytes", cure)
@@ -89,6 +97,17 @@ def _key(settings: Settings) -> Iterable[CheckItem]:
     yield item("signing_key", True, signing_key(settings.key_file).verifier.name[:12], "its owner's alone", "", "")
 
 
+def _anchor(settings: Settings) -> Iterable[CheckItem]:
+    """Whether what is named to be kept elsewhere is: a disk that is not mounted leaves an empty folder."""
+    anchor = settings.audit.anchor_file
+    if anchor is None or not settings.data_folder.is_dir():
+        return
+    nearest = next(folder for folder in anchor.absolute().parents if folder.is_dir())
+    apart = nearest.stat().st_dev != settings.data_folder.stat().st_dev
+    cure = "Mount the other machine's disk: the anchor guards the record only where who changes that does not reach it."
+    yield item("anchor_elsewhere", apart, str(anchor), "another disk than the data folder's", "", cure)
+
+
 def _database(settings: Settings) -> Iterable[CheckItem]:
     address = sa.make_url(settings.database_url)
     if address.get_backend_name() == "sqlite" and not Path(address.database or "").is_file():
@@ -105,7 +124,10 @@ def _database(settings: Settings) -> Iterable[CheckItem]:
 def _opened(database: Database) -> Iterable[CheckItem]:
     yield _mode(database)
     version, newest = version_of(database), newest_version()
-    yield item("database_schema", version == newest, version, newest, "", answer_for("schema_old").what_to_do)
+    # Versions are numbers of one length, in the order of their migrations.
+    is_newer = version is not None and newest is not None and version > newest
+    cure = answer_for("schema_unknown" if is_newer else "schema_old").what_to_do
+    yield item("database_schema", version == newest, version, newest, "", cure)
     if version != newest:
         return
     with database.read() as connection:
@@ -138,6 +160,12 @@ def _arm(settings: Settings) -> Iterable[CheckItem]:
     cure = "Switch the controller on; check its network, `arm_address`, and that remote control is enabled."
     for code, port in (("arm_dashboard", DASHBOARD_PORT), ("arm_rtde", _RTDE_PORT)):
         yield item(code, _listens(settings.arm_address, port), f"{settings.arm_address}:{port}", "listens", "", cure)
+
+
+def _http(settings: Settings) -> Iterable[CheckItem]:
+    http = settings.http
+    cure = "Name an address of this machine in `http.host`, and a port that this user may open in `http.port`."
+    yield item("http_port", _is_here(http.host, http.port), f"{http.host}:{http.port}", "this machine's", "", cure)
 
 
 def _dicom(settings: Settings) -> Iterable[CheckItem]:

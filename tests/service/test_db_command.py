@@ -12,7 +12,7 @@ from service.auth.permissions import Role
 from service.cli.db import db
 from service.database import tables
 from service.database.engines import open_database
-from service.database.migrate import migrate
+from service.database.migrate import migrate, version_of
 from service.errors import ErrorCode, ServiceError
 from tests.databases import ALL
 
@@ -58,6 +58,31 @@ def test_a_backup_brings_every_row_back_into_an_empty_database(run, address, dat
         with pytest.raises(sa.exc.DBAPIError, match="append-only"), restored.write() as connection:
             connection.exec_driver_sql("DELETE FROM audit_events")
         restored.close()
+
+
+def test_a_backup_of_an_older_version_is_a_copy_and_no_upgrade(run, address, tmp_path):
+    with closing(open_database(address)) as database, database.write() as connection:
+        connection.exec_driver_sql("UPDATE alembic_version SET version_num = '0001'")
+    before = _rows(address)
+    told = run(address, "backup", str(tmp_path / "backup"))
+    assert (told.exit_code, told.stderr.split(":")[0]) == (0, "of version 0001")
+    assert _rows(address) == before
+    with closing(open_database(address)) as database:
+        assert version_of(database) == "0001"
+
+
+def test_a_backup_is_its_owner_s_alone_and_none_is_made_of_nothing(run, address, databases, tmp_path):
+    assert run(address, "backup", str(tmp_path / "backup")).exit_code == 0
+    assert (tmp_path / "backup").stat().st_mode & 0o077 == 0
+    nowhere = run(address, "backup", str(tmp_path / "none" / "backup"))
+    assert (nowhere.exit_code, nowhere.stderr.split(":")[0]) == (3, ErrorCode.BACKUP_REFUSED)
+    assert f"{tmp_path / 'none' / 'backup'} cannot be written" in nowhere.stderr
+    other = tmp_path / "other"
+    other.mkdir()
+    with databases.empty(other) as empty:
+        nothing = run(empty, "backup", str(tmp_path / "of-nothing"))
+    assert (nothing.exit_code, nothing.stderr.split(":")[0]) == (3, ErrorCode.DATABASE_FAULT)
+    assert not (tmp_path / "of-nothing").exists()
 
 
 def test_nothing_is_written_over(run, address, tmp_path):

@@ -4,6 +4,7 @@ import json
 import socket
 from collections.abc import Callable
 from datetime import datetime, timedelta
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -13,7 +14,7 @@ from service.cli.doctor import doctor
 from service.devices.store import DeviceKind, add_device
 from service.ledger.keys import signing_key
 from service.operations.doctor import examine
-from service.settings import DicomSettings, PeerSettings, Settings
+from service.settings import AuditSettings, DicomSettings, HttpSettings, PeerSettings, Settings
 
 
 @pytest.fixture
@@ -53,6 +54,12 @@ def test_where_all_is_well_every_item_passes(well):
     [
         (lambda s: _changed(s, min_free_bytes=10**18), "disk_free"),
         (lambda s: _changed(s, arm_address="127.0.0.9"), "arm_dashboard"),
+        (lambda s: _changed(s, http=HttpSettings(host="203.0.113.1")), "http_port"),
+        (lambda s: _changed(s, data_folder=s.key_file), "data_folder"),
+        (
+            lambda s: _changed(s, audit=AuditSettings(anchor_file=s.data_folder / "away" / "head.json")),
+            "anchor_elsewhere",
+        ),
         (lambda s: _changed(s, dicom=DicomSettings(port=0)), "dicom_callers"),
         (lambda s: _changed(s, dicom=DicomSettings(host="203.0.113.1", accepted_callers=("CARM",))), "dicom_port"),
         (lambda s: _changed(s, pacs=PeerSettings(host="127.0.0.9", port=1)), "archive"),
@@ -65,6 +72,21 @@ def test_what_is_wrong_is_named_and_says_what_to_do(well, spoil: Callable[[Setti
     failed = _failed(spoil(well))
     assert code in failed
     assert failed[code].endswith(".")
+
+
+def test_an_anchor_on_another_disk_passes(well):
+    assert _failed(_changed(well, audit=AuditSettings(anchor_file=Path("/proc/away/head.json")))) == {}
+
+
+def test_a_folder_that_takes_no_file_and_a_key_out_of_reach_say_whose_they_should_be(well, monkeypatch):
+    def closed(file: Path) -> None:
+        raise PermissionError(13, "Permission denied", str(file))
+
+    monkeypatch.setattr("service.operations.doctor.os.access", lambda path, _: path != well.data_folder)
+    monkeypatch.setattr("service.operations.doctor.signing_key", closed)
+    failed = _failed(well)
+    assert failed.keys() == {"data_folder_writable", "file_access"}
+    assert all("service's user" in cure for cure in failed.values())
 
 
 def test_a_device_file_past_its_date_is_named(well, database, users, device_files):
@@ -120,7 +142,8 @@ def test_the_command_prints_lines_or_json_and_ends_with_3_where_something_fails(
     assert {"code", "passed", "measured", "limit", "unit", "what_to_do"} == told["items"][0].keys()
 
 
-def test_an_older_schema_is_named(well, database):
+@pytest.mark.parametrize(("version", "cure"), [("0001", "coaxial db upgrade"), ("9999", "version that wrote")])
+def test_an_older_schema_is_told_from_a_newer_one(well, database, version, cure):
     with database.writer.begin() as connection:
-        connection.exec_driver_sql("UPDATE alembic_version SET version_num = '0001'")
-    assert "database_schema" in _failed(well)
+        connection.exec_driver_sql(f"UPDATE alembic_version SET version_num = '{version}'")
+    assert cure in _failed(well)["database_schema"]

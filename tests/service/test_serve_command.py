@@ -140,8 +140,9 @@ def test_what_cannot_start_says_why_in_one_line(tmp_path, setting, code):
 def test_a_taken_http_port_ends_the_service_and_frees_the_room(folder):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         refused = _coaxial(folder, "serve", "--port", str(taken.getsockname()[1]))
-        assert refused.returncode != 0
+        assert refused.returncode == 3
         assert "address already in use" in refused.stderr
+        assert refused.stderr.splitlines()[-1].startswith("settings_refused: cannot listen for HTTP")
     with _serving(folder) as (_, url):
         assert url.startswith("http://127.0.0.1:")
 

@@ -48,6 +48,13 @@ def test_a_wrong_environment_is_refused(monkeypatch, name, text):
     assert refusal.value.code == ErrorCode.SETTINGS_REFUSED
 
 
+@pytest.mark.parametrize("url", ["secret", "mysql://a:secret@host/name", "sqlite://", "postgresql://a:secret@host:x/y"])
+def test_a_database_that_nothing_here_opens_is_refused_without_its_password(tmp_path, url):
+    with pytest.raises(ServiceError, match="database_url") as refusal:
+        load_settings(_file(tmp_path, f'database_url = "{url}"'))
+    assert "secret" not in refusal.value.message
+
+
 def test_a_missing_settings_file_is_refused(tmp_path):
     with pytest.raises(ServiceError, match="does not exist"):
         load_settings(tmp_path / "none.toml")

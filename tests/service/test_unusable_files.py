@@ -1,0 +1,100 @@
+"""Commands on the record that are given what they cannot use: one line that says what to do, and nothing half-made."""
+
+import getpass
+from pathlib import Path
+
+import orjson
+import pytest
+import sqlalchemy as sa
+import typer
+from typer.testing import CliRunner, Result
+
+from service.cli.main import app
+from service.cli.streams import write_file
+from service.database import tables
+from service.database.current import current_database
+from service.settings import Settings
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    """The command, with nothing of this machine's."""
+    monkeypatch.setenv("COAXIAL_MIN_FREE_BYTES", "0")
+    monkeypatch.delenv("COAXIAL_DATABASE_URL", raising=False)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("text")
+    (tmp_path / "folder").mkdir()
+
+    def call(*arguments: str) -> Result:
+        return CliRunner().invoke(app, arguments)
+
+    return call
+
+
+@pytest.mark.parametrize(
+    ("command", "code"),
+    [
+        ("audit list --data-folder file", "settings_refused"),
+        ("user list --data-folder file/below", "settings_refused"),
+        ("db restore file --data-folder file", "settings_refused"),
+        ("serve --data-folder file", "settings_refused"),
+        ("audit key --data-folder file", "key_refused"),
+        ("audit verify --data-folder folder", "key_refused"),
+        ("audit verify --data-folder folder --public-key folder", "key_refused"),
+        ("case verify none", "archive_refused"),
+        ("case verify folder", "archive_refused"),
+        ("case verify file --public-key none", "archive_refused"),
+    ],
+)
+def test_what_cannot_be_used_is_refused_in_one_line(run, command, code):
+    refused = run(*command.split())
+    (line,) = refused.stderr.splitlines()
+    assert (refused.exit_code, line.split(":")[0]) == (3, code)
+    assert line.endswith(".")
+
+
+@pytest.mark.parametrize("name", ["none", "folder"])
+def test_a_file_that_cannot_be_read_is_told_from_one_that_is_no_archive(run, name):
+    assert "cannot be read" in run("case", "verify", name).stderr
+    assert "is no archive" in run("case", "verify", "file").stderr
+
+
+def test_a_database_out_of_reach_says_why_and_no_password(run, monkeypatch):
+    monkeypatch.setenv("COAXIAL_DATABASE_URL", "postgresql://a:secret@127.0.0.9:1/x")
+    refused = run("user", "list", "--data-folder", "folder")
+    assert (refused.exit_code, refused.stderr.split(":")[0]) == (3, "database_fault")
+    assert "refused" in refused.stderr
+    assert "secret" not in refused.stderr
+
+
+def test_a_new_data_folder_is_its_owner_s_alone(run, tmp_path):
+    assert run("db", "upgrade", "--data-folder", "new/data").exit_code == 0
+    assert (tmp_path / "new" / "data").stat().st_mode & 0o077 == 0
+
+
+def test_who_added_a_user_at_the_machine_is_in_the_record(run, tmp_path, monkeypatch):
+    monkeypatch.setenv("COAXIAL_PASSWORD", "correct horse")
+    monkeypatch.setenv("COAXIAL_PIN", "2468")
+    assert run("user", "add", "anna", "--role", "surgeon", "--data-folder", "folder").exit_code == 0
+    settings = Settings(data_folder=tmp_path / "folder", min_free_bytes=0)
+    with current_database(settings) as database, database.read() as connection:
+        entries = [orjson.loads(text) for text in connection.execute(sa.select(tables.ledger.c.entry)).scalars()]
+    (added,) = (entry for entry in entries if entry["action"] == "user_added")
+    assert added["client"] == f"command line {getpass.getuser()}"
+
+
+def test_a_report_that_cannot_be_written_ends_with_one_line_and_leaves_the_old_one(tmp_path, monkeypatch):
+    """As every file that a command writes: whole, or not at all."""
+    old = tmp_path / "report.pdf"
+    write_file(old, b"old")
+
+    def full(self: Path, data: bytes) -> int:
+        with self.open("wb") as opened:
+            opened.write(data[:1])
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(typer.Exit):
+        write_file(old, b"new")
+    assert old.read_bytes() == b"old"
+    assert [one.name for one in tmp_path.iterdir()] == ["report.pdf"]
