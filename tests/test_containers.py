@@ -91,6 +91,14 @@ def test_the_image_is_not_run_by_root_and_is_asked_whether_it_lives(tmp_path):
     assert asked[2] in paths
 
 
+def test_the_image_can_back_up_the_database_beside_it():
+    """pg_dump refuses a server that is newer than itself; Debian's releases each have one version."""
+    (release,) = re.findall(r"^FROM python:\S+-(\w+)$", _DOCKERFILE, re.MULTILINE)
+    (server,) = re.findall(r"postgres:(\d+)-", _COMPOSE["services"]["postgresql"]["image"])
+    assert re.search(r"apt-get install .*\bpostgresql-client\b", _DOCKERFILE)
+    assert int(server) <= {"bookworm": 15, "trixie": 17}[release]
+
+
 def test_everything_that_the_image_copies_is_there_and_every_package_is_copied():
     copied = {word for line in _DOCKERFILE.splitlines() if line.startswith("COPY") for word in line.split()[1:-1]}
     assert all((_ROOT / one).exists() for one in copied)
