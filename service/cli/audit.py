@@ -26,7 +26,6 @@ audit.command()(replay)
 
 _FOUND = 1
 _SHOWN = 100
-Word = Annotated[str | None, typer.Option()]
 
 
 class FormatOption(StrEnum):
@@ -64,16 +63,16 @@ def _add_printing(name: str, usual_limit: int, usual_form: FormatOption, purpose
 
     @audit.command(name, help=purpose)
     def print_entries(
-        case: Word = None,
-        actor: Word = None,
-        action: Word = None,
-        interlock: Word = None,
-        hazard: Word = None,
+        case: Annotated[str | None, typer.Option(help="Id of a case.")] = None,
+        actor: Annotated[str | None, typer.Option(help="Name or id of a user.")] = None,
+        action: Annotated[str | None, typer.Option(help="What was done, as the entries name it.")] = None,
+        interlock: Annotated[str | None, typer.Option(help="Code of an interlock that gave a verdict.")] = None,
+        hazard: Annotated[str | None, typer.Option(help="Hazard whose interlock gave one, as H04.")] = None,
         since: Since = None,
         until: Until = None,
         after: After = 0,
         limit: Annotated[int, typer.Option(help="At most so many; 0: all.", min=0)] = usual_limit,
-        form: Annotated[FormatOption, typer.Option("--format")] = usual_form,
+        form: Annotated[FormatOption, typer.Option("--format", help="How each entry is written.")] = usual_form,
         config: ConfigOption = None,
         data_folder: DataFolderOption = None,
     ) -> None:

@@ -20,9 +20,18 @@ budget = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 _SEED = 1  # of the check: the same figures each time
 
 _RegistrationOption = Annotated[Path | None, typer.Option(help="One line of `register`: its view, noise and plate.")]
-_TcpOption = Annotated[Path | None, typer.Option(help="TCP calibration (TOML), for its standard deviations.")]
-_SdOption = typer.Option(min=0.0, max=50.0)
-_CheckOption = Annotated[int, typer.Option("--check", min=0, max=1_000_000, help="Draws of a Monte Carlo check.")]
+_TcpOption = Annotated[
+    Path | None, typer.Option(help="TCP calibration (TOML), for its standard deviations instead of --tcp-sd-....")
+]
+
+
+def _sd(of: str, unit: str) -> Any:
+    return typer.Option(min=0.0, max=50.0, help=f"Standard deviation of {of}, {unit}.")
+
+
+_CheckOption = Annotated[
+    int, typer.Option("--check", min=0, max=1_000_000, help="Draws of a Monte Carlo check; 0: none.")
+]
 
 
 @budget.command()
@@ -31,12 +40,12 @@ def budget_command(
     carm: CArmOption,
     registration: _RegistrationOption = None,
     tcp: _TcpOption = None,
-    tcp_sd_mm: Annotated[float, _SdOption] = 0.1,
-    tcp_sd_deg: Annotated[float, _SdOption] = 0.05,
-    arm_sd_mm: Annotated[float, _SdOption] = 0.1,
-    arm_sd_deg: Annotated[float, _SdOption] = 0.02,
+    tcp_sd_mm: Annotated[float, _sd("the TCP calibration along each axis", "mm")] = 0.1,
+    tcp_sd_deg: Annotated[float, _sd("the TCP calibration about each axis", "deg")] = 0.05,
+    arm_sd_mm: Annotated[float, _sd("a reported pose along each axis", "mm")] = 0.1,
+    arm_sd_deg: Annotated[float, _sd("a reported pose about each axis", "deg")] = 0.02,
     depth_mm: DepthOption = 80.0,
-    depth_sd_mm: Annotated[float, _SdOption] = 5.0,
+    depth_sd_mm: Annotated[float, _sd("the target's depth", "mm")] = 5.0,
     check: _CheckOption = 0,
     out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Where the plot goes.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object instead of the table.")] = False,
