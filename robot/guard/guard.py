@@ -94,6 +94,7 @@ class Guard:
             case ReleasePendant():
                 self._releasing = True
             case Acknowledge():
+                self._heartbeats.retire()  # an order on its way since before has a hand on it, and no consent
                 self._idle_phase = Phase.IDLE
                 self._journal.record(taken)
             case _:

@@ -60,6 +60,10 @@ class HeartbeatMonitor:
         self._echoed_at_s = issued_at_s if newer else self._echoed_at_s
         return self.held
 
+    def retire(self) -> None:
+        """Whatever is held now is never heard again: a stop or a person came between, and a new permit is needed."""
+        self._follow(None)
+
     def age_s(self, now_s: float) -> float | None:
         """Age of the newest challenge that came back under this permit; None before the first."""
         return None if self._echoed_at_s is None else now_s - self._echoed_at_s
@@ -73,8 +77,8 @@ class HeartbeatMonitor:
         """Whether the hand under this permit opened: a hold that another permit's took the place of is lost instead."""
         return permit_id == self._permit_id and not self.held
 
-    def _follow(self, permit_id: str) -> None:
-        """Turn to a new permit; the old one's late heartbeats are never heard again."""
+    def _follow(self, permit_id: str | None) -> None:
+        """Turn to a new permit, or to none; the old one's late heartbeats are never heard again."""
         if self._permit_id is not None:
             self._retired.add(self._permit_id)
         self._permit_id = permit_id

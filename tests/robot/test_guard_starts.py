@@ -73,6 +73,19 @@ def test_held_guard_starts_nothing_before_an_acknowledgement(room: Room, move: B
     assert "move" not in room.orders
 
 
+@pytest.mark.hazard("H18")
+def test_order_held_up_through_a_stop_and_an_acknowledgement_starts_nothing(room: Room, move: BeginMove) -> None:
+    room.beat(1)
+    room.guard.handle(room.guard.stop_now("asked"))
+    room.guard.handle(Acknowledge())
+    room.turn()
+    room.beat(2)  # the hand never opened
+    room.guard.handle(move)
+    room.turn()
+    assert room.newest(MoveRefused).refusal.code is RefusalCode.NO_LIVE_HEARTBEAT
+    assert "move" not in room.orders
+
+
 @pytest.mark.hazard("H14")
 def test_second_motion_is_refused_while_one_runs_which_goes_on(room: Room, move: BeginMove) -> None:
     begin(room, move)
