@@ -6,10 +6,12 @@ modules import what is heavy inside their functions, so that `--help` stays quic
 """
 
 from importlib.metadata import entry_points
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
+
+from service.version import PRODUCT_VERSION
 
 _GROUP = "coaxial.commands"
 
@@ -38,8 +40,18 @@ app = typer.Typer(
 )
 
 
+def _tell_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"coaxial {PRODUCT_VERSION}")
+        raise typer.Exit
+
+
 @app.callback()
-def coaxial() -> None:
+def coaxial(
+    _version: Annotated[
+        bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="Tell the version and end.")
+    ] = False,
+) -> None:
     """Robot-assisted needle placement under C-arm fluoroscopy. Research software, not for clinical use."""
 
 

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner, Result
 
 from service.cli.main import app
+from service.version import PRODUCT_VERSION
 
 _DEVICES = Path(__file__).parents[1] / "devices"
 GUIDE_TOML = (_DEVICES / "guide.toml").read_text()
@@ -260,6 +261,11 @@ def test_help_names_every_option_and_exits_with_0(command: str) -> None:
     result = run(command, "--help")
     assert result.exit_code == 0
     assert "--help" in result.stdout
+
+
+def test_the_version_is_told_as_records_name_it() -> None:
+    result = run("--version")
+    assert (result.exit_code, result.stdout) == (0, f"coaxial {PRODUCT_VERSION}\n")
 
 
 @pytest.mark.parametrize("arguments", ["'plan-carm', '--entry', '0,80,0', '--target', '0,0,0'", "'register', '--help'"])
