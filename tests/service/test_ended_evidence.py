@@ -29,6 +29,7 @@ def test_a_worker_that_is_asked_to_end_clears_away_and_takes_no_other_part(tmp_p
     monkeypatch.setattr(runs, "ITEMS", (item,))
 
     def work():
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # what is started in the background ignores it
         runs._begin()
         for part in range(3):  # as a pool does, to which whatever is raised is the part's result
             try:

@@ -128,6 +128,7 @@ def test_no_image_that_was_answered_with_success_is_lost_by_a_kill(folder, store
         ({"COAXIAL_MIN_FREE_BYTES": "99999999999999999"}, "disk_full"),
         ({"COAXIAL_DATABASE_URL": "sqlite:////proc/none/x.sqlite"}, "database_fault"),
         ({"COAXIAL_DICOM__HOST": "203.0.113.1"}, "settings_refused"),
+        ({"COAXIAL_DATA_FOLDER": __file__}, "settings_refused"),
     ],
 )
 def test_what_cannot_start_says_why_in_one_line(tmp_path, setting, code):

@@ -37,7 +37,6 @@ def run(tmp_path, monkeypatch):
         ("audit list --data-folder file", "settings_refused"),
         ("user list --data-folder file/below", "settings_refused"),
         ("db restore file --data-folder file", "settings_refused"),
-        ("serve --data-folder file", "settings_refused"),
         ("audit key --data-folder file", "key_refused"),
         ("audit verify --data-folder folder", "key_refused"),
         ("audit verify --data-folder folder --public-key folder", "key_refused"),
