@@ -74,12 +74,16 @@ def workers(processes: int) -> Iterator[ProcessPoolExecutor]:
     pool = ProcessPoolExecutor(processes, context, _begin)
     try:
         yield pool
-    except BaseException:
-        for process in multiprocessing.active_children():
+    except BaseException:  # noqa: BLE001  # told, and this process ends
+        begun = multiprocessing.active_children()
+        for process in begun:
             process.terminate()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
+        for process in begun:
+            process.join()
+        traceback.print_exc()
+        sys.stderr.flush()
+        os._exit(1)  # the pool's own end may wait for ever on its queue of parts, which nobody reads any more
+    pool.shutdown()
 
 
 def begin(item: Item, folder: Path, share: float, pool: ProcessPoolExecutor) -> Parts:
