@@ -28,6 +28,7 @@ from benchmarks.evidence.item import Item, Summary, Trial, summary
 from benchmarks.evidence.items import ITEMS
 from benchmarks.evidence.timing import Timing, timing
 from benchmarks.kept import keep_line, kept_lines
+from robot.guard.parent import end_with_parent
 
 Parts = list["Future[None]"]
 _RAM_DISK = Path("/dev/shm")  # survives a killed process as a disk does, and power cuts are replayed
@@ -116,8 +117,9 @@ def _told(future: "Future[None]") -> bool:
 
 
 def _begin() -> None:
-    """A process for trials: quiet, its files in memory, ended with its parent."""
+    """A process for trials: quiet, its files in memory, ended with its parent, whatever ended that."""
     signal.signal(signal.SIGTERM, _end)
+    end_with_parent()
     structlog.configure(wrapper_class=structlog.make_filtering_bound_logger(logging.CRITICAL))
     logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)  # a refused hold is one to it
     if _RAM_DISK.is_dir():
