@@ -29,6 +29,12 @@ def test_the_death_of_the_parent_is_a_request_to_end(library: ctypes.CDLL) -> No
     assert asked.value == signal.SIGTERM
 
 
-def test_a_system_that_does_not_tell_of_deaths_is_gone_without(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_system_that_does_not_tell_of_deaths_is_gone_without(
+    library: ctypes.CDLL, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library.prctl(PR_SET_PDEATHSIG, 0)
     monkeypatch.setattr(ctypes, "CDLL", lambda _: object())
     end_with_parent()
+    asked = ctypes.c_int(-1)
+    library.prctl(PR_GET_PDEATHSIG, ctypes.byref(asked))
+    assert asked.value == 0
