@@ -46,7 +46,7 @@ bench-stop: $(VENV)/.test  ## how soon a stop is on the wire under full load; CO
 	$(BIN)/python -m benchmarks.stop --count $(or $(COUNT),2000) $(if $(KINDS),--kinds $(KINDS)) \
 	  $(if $(MINUTES),--minutes $(MINUTES)) --rooms $(or $(ROOMS),1) --folder $(or $(FOLDER),$(RESULTS)/stop)
 
-evidence: $(VENV)/.test  ## sequences against a model, kills, a soak, power cuts, full disks, flipped bits, contested permits, hostile input, and docs/evidence.md; goes on where it ended; SHARE=1 of ITEMS (0: the page alone), PROCESSES=2; results kept in FOLDER
+evidence: $(VENV)/.test  ## sequences against a model, kills, a soak, power cuts, full disks, flipped bits, contested permits, hostile input, and docs/evidence.md; goes on where it ended; SHARE=1 of ITEMS (0: the page alone), PROCESSES=2; results in docs/evidence.json, every trial in FOLDER
 	$(BIN)/python -m benchmarks.evidence --folder $(or $(FOLDER),$(RESULTS)/evidence) --share $(or $(SHARE),1) \
 	  --processes $(or $(PROCESSES),2) $(if $(ITEMS),--items $(ITEMS)) --page docs/evidence.md
 

@@ -1,20 +1,23 @@
-"""Runs the evidence, or goes on with it, and writes its page.
+"""Runs the evidence, or goes on with it, publishes what was done, and writes its page.
 
     python -m benchmarks.evidence --folder FOLDER [--items NAME ...] [--share 0.01] [--processes 2] [--page FILE]
 
-Every trial is kept in FOLDER, and a run goes on where the last one of the same code ended. --share runs only so much of
-each item, 0 none of it: then the page is made of what is kept. Exit status 1 where a trial is bad or could not be run.
+Every trial is kept in FOLDER, and what was done is added to the published results, however the run ends. A run goes on
+where the last one of the same code ended: what is published or kept is not run again. --share runs only so much of each
+item, 0 none of it. Exit status 1 where a trial is bad or could not be run.
 """
 
 import argparse
-import json
 import sys
-from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 
+from benchmarks.evidence.code import ROOT
 from benchmarks.evidence.items import ITEMS
 from benchmarks.evidence.page import page
-from benchmarks.evidence.runs import begin, finish, row, workers
+from benchmarks.evidence.runs import begin, finish, publish, row, workers
+
+PUBLISHED = ROOT / "docs" / "evidence.json"
 
 
 def main() -> None:
@@ -24,19 +27,19 @@ def main() -> None:
     parser.add_argument("--items", nargs="+", choices=[item.name for item in ITEMS], help="to be run; by default all")
     parser.add_argument("--share", type=float, default=1.0, help="of each item's trials (default 1: all)")
     parser.add_argument("--processes", type=int, default=2, help="at a time (default 2)")
+    parser.add_argument("--published", type=Path, default=PUBLISHED, help="results so far (default docs/evidence.json)")
     parser.add_argument("--page", type=Path, help="where the page is written, beside being printed")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     whole = True
     if options.share:
-        with workers(options.processes) as pool:
+        with workers(options.processes, partial(publish, ITEMS, options.folder, options.published)) as pool:
             asked = [item for item in ITEMS if options.items is None or item.name in options.items]
-            begun = [(item, begin(item, options.folder, options.share, pool)) for item in asked]
+            begun = [(item, begin(item, options.folder, options.published, options.share, pool)) for item in asked]
             for item, parts in begun:
                 whole &= finish(item, parts)
-    rows = [row(item, options.folder) for item in ITEMS]
-    figures = {one.item.name: [asdict(state) for state in (one.today, *one.earlier)] for one in rows}
-    (options.folder / "summary.json").write_text(json.dumps(figures, indent=1))
+    states = publish(ITEMS, options.folder, options.published)
+    rows = [row(item, options.folder, states[item.name]) for item in ITEMS]
     text = page(rows)
     print(f"\n{text}")
     if options.page is not None:

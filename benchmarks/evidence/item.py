@@ -1,13 +1,10 @@
-"""One row of the evidence: what is tried how often, what came of it, and what that proves."""
+"""One row of the evidence: what is tried, and how often."""
 
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
-
-from scipy.stats import binomtest
 
 from benchmarks.evidence.code import fingerprint
 
@@ -42,35 +39,3 @@ class Item:
     def code(self) -> str:
         """Fingerprint of what the trials run, as it is now: a result of any other code proves nothing of this one."""
         return fingerprint(self.modules, self.files)
-
-
-@dataclass(frozen=True)
-class Summary:
-    """What the trials of one state of the code amount to."""
-
-    code: str
-    commits: tuple[str, ...]  # at which they were made
-    done: int
-    planned: int
-    bad: int
-    share_95: float  # at most so many are bad, with 95 % confidence (Clopper and Pearson)
-    kinds: dict[str, int]
-    seconds: float | None  # one execution took, where that is known
-
-    @property
-    def holds(self) -> bool:
-        """All done, and none bad."""
-        return self.bad == 0 and self.done >= self.planned
-
-
-def summary(code: str, trials: Sequence[Trial], planned: int) -> Summary:
-    """Counts of executions by what each was about."""
-    bad = sum(trial["bad"] for trial in trials)
-    kinds: Counter[str] = Counter()
-    for trial in trials:
-        kinds.update(trial["kinds"] if "kinds" in trial else [trial["kind"]])
-    done = kinds.total()
-    share = float(binomtest(bad, done).proportion_ci(0.95, method="exact").high) if done else 1.0
-    seconds = sum(trial["seconds"] for trial in trials) / done if done else None
-    commits = tuple(dict.fromkeys(trial["commit"] for trial in trials))
-    return Summary(code, commits, done, planned, bad, share, dict(kinds), seconds)

@@ -4,7 +4,8 @@ import tomllib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from benchmarks.evidence.item import Item, Summary
+from benchmarks.evidence.item import Item
+from benchmarks.evidence.published import State
 from benchmarks.evidence.runs import Row
 from benchmarks.evidence.timing import Timing
 
@@ -18,6 +19,10 @@ A result counts for the code that it was made with, and for no other. `code` is 
 run: every file of the project that they come to by imports, and the versions of all libraries. Where one of these
 files changes, the row begins anew, and what was done before is told below it. `make evidence SHARE=0` runs nothing and
 writes this page with the fingerprints of the tree that it runs in.
+
+The [results](evidence.json) beside this page go with the code: which numbers are done, counts, sums of times, and every
+bad trial whole. A run adds to them what it did, however it ends, and runs only what they lack: so a row may be gathered
+over several days, each on another machine.
 
 Sequences and contested permits are sent to the whole service over its own sockets; scripted are the guard's client, the
 image work and the monotonic clock, which stands still between two steps. Kills at random moments are of `coaxial serve`
@@ -43,7 +48,7 @@ def page(rows: Sequence[Row]) -> str:
     known = [row.timing.hours for row in rows if row.timing is not None]
     total = f"Together {sum(known):.1f} hours for {len(known)} of {len(rows)} rows.\n"
     parts = [f"- **{row.item.name}**: {_kinds(row.today)}." for row in rows if row.today.done]
-    earlier = [_earlier(row.item, figures) for row in rows for figures in row.earlier]
+    earlier = [_earlier(row.item, state) for row in rows for state in row.earlier]
     sections = [
         _section("What was tried", parts),
         _section("Earlier states of the code", [_EARLIER_HEAD, *earlier] if earlier else []),
@@ -58,11 +63,11 @@ def _section(title: str, lines: Iterable[str]) -> str:
 
 
 def _row(row: Row) -> str:
-    item, figures = row.item, row.today
-    holds = "yes" if figures.holds else ("no" if figures.bad else "not all run")
-    cells = (item.what, item.asked, f"{figures.done:,}", f"{figures.planned:,}", f"{figures.bad:,}")
-    last = (_hours(row.timing), f"`{figures.code}`")
-    return f"| {' | '.join(cells)} | {100 * figures.share_95:.3g} % | {holds} | {' | '.join(last)} |"
+    item, today = row.item, row.today
+    holds = "yes" if row.holds else ("no" if today.bad else "not all run")
+    cells = (item.what, item.asked, f"{today.done:,}", f"{row.planned:,}", f"{today.bad:,}")
+    last = (_hours(row.timing), f"`{today.code}`")
+    return f"| {' | '.join(cells)} | {100 * today.share_95:.3g} % | {holds} | {' | '.join(last)} |"
 
 
 def _hours(timing: Timing | None) -> str:
@@ -71,19 +76,20 @@ def _hours(timing: Timing | None) -> str:
     return f"{timing.hours:.2f}" if timing.load is None else f"{timing.hours:.2f}, load {timing.load:.0f}"
 
 
-def _kinds(figures: Summary) -> str:
-    return ", ".join(f"{kind} {count:,}" for kind, count in sorted(figures.kinds.items()))
+def _kinds(state: State) -> str:
+    return ", ".join(f"{kind} {count:,}" for kind, count in sorted(state.kinds.items()))
 
 
-_EARLIER_HEAD = """Counted in no row above: one of the files has changed since.
+_EARLIER_HEAD = """Counted in no row above: one of the files has changed since. Of each row three: those with the most
+bad trials, then those with the most trials.
 
 | what | code | commits | done | bad |
 |---|---|---|---:|---:|"""
 
 
-def _earlier(item: Item, figures: Summary) -> str:
-    commits = ", ".join(figures.commits)
-    return f"| {item.what} | `{figures.code}` | {commits} | {figures.done:,} | {figures.bad:,} |"
+def _earlier(item: Item, state: State) -> str:
+    commits = ", ".join(state.commits)
+    return f"| {item.what} | `{state.code}` | {commits} | {state.done:,} | {state.bad:,} |"
 
 
 def _mended() -> list[str]:

@@ -1,4 +1,4 @@
-"""Runs what is missing of the trials, in some processes at a time, and reads what was kept of all runs.
+"""Runs what is missing of the trials, in some processes at a time, and publishes what was done.
 
 Every trial is a line of FOLDER/NAME.jsonl, with the fingerprint of its code: another state's counts as not done.
 """
@@ -12,8 +12,7 @@ import signal
 import sys
 import time
 import traceback
-from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -24,8 +23,9 @@ from typing import Any
 import structlog
 
 from benchmarks.evidence.code import commit
-from benchmarks.evidence.item import Item, Summary, Trial, summary
+from benchmarks.evidence.item import Item
 from benchmarks.evidence.items import ITEMS
+from benchmarks.evidence.published import State, gathered, read, write
 from benchmarks.evidence.timing import Timing, timing
 from benchmarks.kept import keep_line, kept_lines
 from robot.guard.parent import end_with_parent
@@ -36,27 +36,38 @@ _RAM_DISK = Path("/dev/shm")  # survives a killed process as a disk does, and po
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """What the kept results of an item amount to."""
+    """What the results of an item amount to."""
 
     item: Item
-    today: Summary
-    earlier: tuple[Summary, ...]  # states of the code that have any, the oldest first
+    planned: int  # executions
+    earlier: tuple[State, ...]  # of the code, the oldest first
+    today: State
     timing: Timing | None  # at the rate of today's code, or of the last that was tried
 
+    @property
+    def holds(self) -> bool:
+        """All done, and none bad."""
+        return self.today.bad == 0 and self.today.done >= self.planned
 
-def row(item: Item, folder: Path) -> Row:
-    """By all that is kept in the folder."""
-    by_code: defaultdict[str, dict[int, Trial]] = defaultdict(dict)
-    for trial in kept_lines(_file(item, folder)):
-        by_code[trial["code"]].setdefault(trial["number"], trial)
-    of_today = list(by_code.pop(item.code, {}).values())
-    states = {code: list(trials.values()) for code, trials in by_code.items()}
+
+def row(item: Item, folder: Path, states: Sequence[State]) -> Row:
+    """By its gathered states."""
+    *earlier, today = states
     count = item.count(prepared(item, folder))
-    today, *earlier = (
-        summary(code, trials, count * item.executions) for code, trials in ({item.code: of_today} | states).items()
-    )
-    last_tried = of_today or next(reversed(states.values()), [])
-    return Row(item, today, tuple(earlier), timing(item, last_tried, count))
+    last_tried = today if today.done or not earlier else earlier[-1]
+    return Row(item, count * item.executions, tuple(earlier), today, timing(item, last_tried, count))
+
+
+def states_of(item: Item, folder: Path, published: Path) -> tuple[State, ...]:
+    """What is published of it, and what is kept in the folder of today's code."""
+    return gathered(read(published).get(item.name, ()), item.code, kept_lines(_file(item, folder)))
+
+
+def publish(items: Sequence[Item], folder: Path, published: Path) -> dict[str, tuple[State, ...]]:
+    """Add what is kept in the folder."""
+    states = {item.name: states_of(item, folder, published) for item in items}
+    write(published, states)
+    return states
 
 
 def prepared(item: Item, folder: Path) -> Path:
@@ -68,8 +79,8 @@ def prepared(item: Item, folder: Path) -> Path:
 
 
 @contextmanager
-def workers(processes: int) -> Iterator[ProcessPoolExecutor]:
-    """Processes for trials; they end with this one, also where it is asked to end."""
+def workers(processes: int, at_end: Callable[[], object]) -> Iterator[ProcessPoolExecutor]:
+    """Processes for trials; they end with this one, also where it is asked to end, which does the last thing then."""
     signal.signal(signal.SIGTERM, _end)
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(processes, context, _begin)
@@ -82,15 +93,15 @@ def workers(processes: int) -> Iterator[ProcessPoolExecutor]:
         for process in begun:
             process.join()
         traceback.print_exc()
+        at_end()
         sys.stderr.flush()
         os._exit(1)  # the pool's own end may wait for ever on its queue of parts, which nobody reads any more
     pool.shutdown()
 
 
-def begin(item: Item, folder: Path, share: float, pool: ProcessPoolExecutor) -> Parts:
+def begin(item: Item, folder: Path, published: Path, share: float, pool: ProcessPoolExecutor) -> Parts:
     """Have what is missing of an item's trials run, behind what was begun before."""
-    inputs = prepared(item, folder)
-    known = {trial["number"] for trial in kept_lines(_file(item, folder)) if trial["code"] == item.code}
+    inputs, known = prepared(item, folder), states_of(item, folder, published)[-1].known
     todo = [number for number in range(math.ceil(item.count(inputs) * share)) if number not in known]
     parts = [todo[first : first + item.at_once] for first in range(0, len(todo), item.at_once)]
     return [pool.submit(_run_part, item.name, folder, inputs, part) for part in parts]

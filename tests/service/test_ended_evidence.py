@@ -3,12 +3,15 @@
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
 import time
 
 import pytest
 
 from benchmarks.evidence import inputs, runs
 from benchmarks.evidence.item import Item
+from benchmarks.evidence.published import read
 from benchmarks.kept import kept_lines
 from tests.system.walk import until
 
@@ -45,6 +48,20 @@ def test_a_worker_that_is_asked_to_end_clears_away_and_takes_no_other_part(tmp_p
     assert worker.exitcode == 1
     assert not (tmp_path / "left over").exists()
     assert [trial["number"] for trial in kept_lines(tmp_path / "one.jsonl")] == [0]
+
+
+def test_a_run_that_is_asked_to_end_publishes_what_was_done(tmp_path):
+    options = ["--folder", tmp_path, "--published", tmp_path / "evidence.json", "--items", "fuzz_json"]
+    run = subprocess.Popen([sys.executable, "-m", "benchmarks.evidence", *options], stderr=subprocess.DEVNULL)
+    try:
+        until((tmp_path / "fuzz_json.jsonl").exists, 60.0)
+        run.terminate()
+        assert run.wait(20.0) == 1
+    finally:
+        run.kill()
+        run.wait()
+    (state,) = read(tmp_path / "evidence.json")["fuzz_json"]
+    assert state.known == {trial["number"] for trial in kept_lines(tmp_path / "fuzz_json.jsonl")}
 
 
 def test_of_two_runs_that_prepare_one_folder_the_first_to_be_done_has_made_it(tmp_path):
