@@ -246,6 +246,7 @@ class FaultKind(StrEnum):
     SAFEGUARD_STOP = "safeguard_stop"
     EMERGENCY_STOP = "emergency_stop"
     HEARTBEAT_LOST = "heartbeat_lost"
+    SESSION_OVER = "session_over"  # whoever held the button was signed out, locked or disabled amid the motion
     GUARD_LOST = "guard_lost"
     FEEDBACK_LOST = "feedback_lost"
     SAFETY_FAULT = "safety_fault"  # the controller's own fault or violation

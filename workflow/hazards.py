@@ -181,8 +181,8 @@ _LIST = (
         "H27",
         "Somebody else commands in a session's name",
         "a stolen token, another site's page",
-        "Every request needs a live session with the permission; tokens end, wrong answers lock, other origins are "
-        "refused.",
+        "Every request needs a live session with the permission, and so does a held button all the while; tokens end, "
+        "wrong answers lock, other origins are refused.",
     ),
     Hazard(
         "H28",

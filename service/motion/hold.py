@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from robot.frames import Transform, distance_between
 from robot.guard.messages import Heartbeat, Status
-from service.auth.dependencies import any_session, current_session, require
+from service.auth.dependencies import any_session, bearer_or_cookie, current_session, require
 from service.auth.lease import lease_of
 from service.auth.permissions import Permission
 from service.auth.session import Session
@@ -21,6 +21,7 @@ from service.conductor.conductor import Conductor, TheConductor
 from service.conductor.starting import goal_of_permit, start_move
 from service.errors import ServiceError
 from service.motion.endings import Ending, Endings
+from service.motion.holder import lose_hold, session_over
 from service.motion.status_bell import StatusBell
 from service.problem_json import problem_of
 
@@ -80,12 +81,11 @@ async def _run(held: _Hold, ending: "asyncio.Future[Ending]") -> None:
     starting = asyncio.create_task(_start(held))
     try:
         await _first_of(forwarding, starting)
-        refused = starting.result() if starting.done() else None
-        if starting.done() and refused is None:
-            await _first_of(forwarding, ending)
-        over = refused or (ending.result() if ending.done() else None)
+        over = starting.result() if starting.done() else None
+        if starting.done() and over is None:
+            over = await _moved(held, forwarding, ending)
         reporting.cancel()
-        if over is not None and not forwarding.done():
+        if over is not None and (forwarding.cancelled() or not forwarding.done()):
             await held.socket.send_json({"type": "ended", **asdict(over)})
             await held.socket.close()
     except WebSocketDisconnect:
@@ -94,6 +94,20 @@ async def _run(held: _Hold, ending: "asyncio.Future[Ending]") -> None:
         for task in (forwarding, reporting, starting):
             task.cancel()
         await asyncio.gather(forwarding, reporting, starting, return_exceptions=True)
+
+
+async def _moved(held: _Hold, forwarding: "asyncio.Task[None]", ending: "asyncio.Future[Ending]") -> Ending | None:
+    """The motion's end; one whose holder may hold no longer is ended as if the hold were lost."""
+    token = bearer_or_cookie(held.socket) or ""
+    watching = asyncio.create_task(session_over(held.conductor.parts.sessions, token))
+    try:
+        await _first_of(forwarding, ending, watching)
+        if ending.done() or not watching.done():
+            return ending.result() if ending.done() else None
+        forwarding.cancel()  # whatever becomes of the stop, the guard hears no hand from now on
+        return await lose_hold(held.conductor, held.caller, watching.result(), ending)
+    finally:
+        watching.cancel()
 
 
 async def _first_of(*awaited: "asyncio.Future[Any]") -> None:
