@@ -1,7 +1,9 @@
 """A case as JSON and back, so that the service can rebuild it from its last event."""
 
-from dataclasses import MISSING, asdict, fields, is_dataclass
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from enum import Enum
+from functools import cache
 from types import UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -10,7 +12,7 @@ from workflow.case import CaseState
 
 def to_json(case: CaseState) -> dict[str, Any]:
     """The case as a dict of strings, numbers, lists and dicts."""
-    return asdict(case, dict_factory=lambda items: {name: _plain(value) for name, value in items})
+    return _fields_of(case)
 
 
 def from_json(data: dict[str, Any]) -> CaseState:
@@ -25,10 +27,31 @@ def from_json(data: dict[str, Any]) -> CaseState:
     return case
 
 
+@dataclass(frozen=True, slots=True)
+class _Shape:
+    """What the fields of a dataclass hold: looked up once, for Python evaluates the annotations at every look."""
+
+    kinds: Mapping[str, Any]
+    since: frozenset[str]  # what a record does not have that was written before there was such a field
+
+
+@cache
+def _shape(kind: Any) -> _Shape:
+    hints = get_type_hints(kind)
+    since = frozenset(field.name for field in fields(kind) if field.default is not MISSING)
+    return _Shape({field.name: hints[field.name] for field in fields(kind)}, since)
+
+
 def _plain(value: Any) -> Any:
     if isinstance(value, Enum):
         return value.value
-    return list(value) if isinstance(value, tuple) else value
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    return _fields_of(value) if is_dataclass(value) else value
+
+
+def _fields_of(one: Any) -> dict[str, Any]:
+    return {name: _plain(getattr(one, name)) for name in _shape(one.__class__).kinds}
 
 
 def _read(kind: Any, value: Any, where: str) -> Any:
@@ -45,13 +68,11 @@ def _read(kind: Any, value: Any, where: str) -> Any:
 
 
 def _read_fields(kind: Any, data: dict[str, Any], where: str) -> Any:
-    hints = get_type_hints(kind)
-    names = {field.name for field in fields(kind)}
-    # What a record does not have that was written before there was such a field.
-    since = {field.name for field in fields(kind) if field.default is not MISSING}
-    if wrong := (names ^ set(data)) - since:
+    shape = _shape(kind)
+    if wrong := (shape.kinds.keys() ^ data.keys()) - shape.since:
         raise ValueError(f"{where}: fields {sorted(wrong)} are missing or unknown")
-    return kind(**{name: _read(hints[name], data[name], f"{where}.{name}") for name in names & set(data)})
+    told = ((name, one) for name, one in shape.kinds.items() if name in data)
+    return kind(**{name: _read(one, data[name], f"{where}.{name}") for name, one in told})
 
 
 def _checked(value: Any, kind: Any, where: str) -> Any:

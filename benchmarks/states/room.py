@@ -5,6 +5,7 @@ flow. Replaced are the guard's client, the vision worker, and the monotonic cloc
 """
 
 import asyncio
+import gc
 import json
 import threading
 import time
@@ -26,6 +27,7 @@ from argon2 import PasswordHasher
 
 from benchmarks.states.guard import Clock, ScriptedGuard
 from benchmarks.states.images import ScriptedVision
+from robot.guard.pauses import spare_what_is_loaded
 from robot.path import plan_path
 from robot.tool import read_tool
 from service import assembly
@@ -162,6 +164,8 @@ def scripted_room(folder: Path, database_url: str | None = None) -> Iterator[Roo
         parts: Parts = app.state.parts
         room = Room(port, parts, app.state.conductor, guard, vision, clock, _people(parts))
         stack.callback(room.line.close)
+        spare_what_is_loaded()  # as `coaxial serve` does
+        stack.callback(gc.unfreeze)
         yield room
 
 

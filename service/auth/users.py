@@ -22,6 +22,7 @@ from service.errors import ErrorCode, ServiceError
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 _PIN = re.compile(r"[0-9]{4,12}")
 _PASSWORD_LENGTH = range(8, 257)
+_USER_NAME = sa.select(tables.users.c.name).where(tables.users.c.id == sa.bindparam("id"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +122,7 @@ def _check_rules(name: str, password: str, pin: str) -> None:
 
 def user_name(connection: Connection, user_id: str) -> str | None:
     """Their name, of a disabled user too; None where there is no such user."""
-    return connection.execute(sa.select(tables.users.c.name).where(tables.users.c.id == user_id)).scalar()
+    return connection.execute(_USER_NAME, {"id": user_id}).scalar()
 
 
 def user_names(connection: Connection) -> dict[str, str]:

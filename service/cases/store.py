@@ -53,6 +53,7 @@ _EVENTS_AFTER = (
     .limit(sa.bindparam("limit"))
 )
 _CASE = sa.select(tables.cases).where(tables.cases.c.id == sa.bindparam("id"))
+_PLANNED_TARGETS = sa.select(tables.planned_targets).where(tables.planned_targets.c.case_id == sa.bindparam("case_id"))
 
 
 def open_case(connection: Connection, case: NewCase, event: NewEvent) -> StoredEvent:
@@ -171,8 +172,7 @@ def list_cases(connection: Connection, limit: int | None = None, before: str | N
 
 def planned_targets(connection: Connection, case_id: str) -> dict[str, Any]:
     """The planned targets of a case, by name."""
-    query = sa.select(tables.planned_targets).where(tables.planned_targets.c.case_id == case_id)
-    return {row.name: row.content for row in connection.execute(query)}
+    return {row.name: row.content for row in connection.execute(_PLANNED_TARGETS, {"case_id": case_id})}
 
 
 def open_case_of(connection: Connection, room: str) -> str | None:

@@ -1,18 +1,19 @@
 """A verdict as a caller sees it, and as the record keeps it."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import fields
 from typing import Any
 
 from service.cases.records import NewVerdict
 from workflow.verdicts import Verdict
 
+_TOLD = tuple(field.name for field in fields(Verdict))  # plain values, of which nothing needs to be copied
 _KEPT = tuple(field.name for field in fields(NewVerdict))
 
 
 def verdict_json(verdict: Verdict) -> dict[str, Any]:
     """With whether a surgeon's override would let it pass, so that a tablet needs no rule of its own."""
-    return asdict(verdict) | {"overridable": verdict.overridable}
+    return {name: getattr(verdict, name) for name in _TOLD} | {"overridable": verdict.overridable}
 
 
 def kept_verdict(verdict: Mapping[str, Any]) -> NewVerdict:

@@ -54,6 +54,11 @@ class StoredDevice:
     uploaded_at: str
 
 
+_FILES = tables.device_files.c
+_COLUMNS = tuple(_FILES[name] for name in StoredDevice.__slots__)
+_WITH_BYTES = sa.select(*_COLUMNS, _FILES.content).where(_FILES.id.in_(sa.bindparam("ids", expanding=True)))
+
+
 def add_device(connection: Connection, kind: DeviceKind, content: bytes, user_id: str) -> StoredDevice:
     """Store a file that its reader accepts; the same bytes again are the same device.
 
@@ -99,8 +104,7 @@ def read_device(connection: Connection, device_id: str) -> StoredDevice:
 
 def files_with_bytes(connection: Connection, device_ids: Collection[str]) -> dict[str, tuple[StoredDevice, bytes]]:
     """Device files with their bytes, by id, in one look; ServiceError DEVICE_UNKNOWN."""
-    files = tables.device_files.c
-    rows = connection.execute(sa.select(*_columns(), files.content).where(files.id.in_(device_ids)))
+    rows = connection.execute(_WITH_BYTES, {"ids": list(device_ids)})
     found = {row.id: (_device(row), row.content) for row in rows}
     for device_id in device_ids:
         if device_id not in found:
@@ -125,7 +129,7 @@ def device_bytes(connection: Connection, device_id: str) -> bytes:
 
 def list_devices(connection: Connection) -> list[StoredDevice]:
     """Every device file, newest first."""
-    rows = connection.execute(sa.select(*_columns()).order_by(tables.device_files.c.position.desc()))
+    rows = connection.execute(sa.select(*_COLUMNS).order_by(tables.device_files.c.position.desc()))
     return [_device(row) for row in rows]
 
 
@@ -163,20 +167,16 @@ def _uploads(connection: Connection) -> int:
 def _same_version(connection: Connection, kind: DeviceKind, parsed: DeviceFile) -> StoredDevice | None:
     files = tables.device_files
     same = sa.and_(files.c.kind == kind, files.c.name == parsed.name, files.c.version == str(parsed.version))
-    row = connection.execute(sa.select(*_columns()).where(same)).first()
+    row = connection.execute(sa.select(*_COLUMNS).where(same)).first()
     return None if row is None else _device(row)
 
 
 def _one(connection: Connection, condition: sa.ColumnElement[bool], missing: str) -> StoredDevice:
-    query = sa.select(*_columns()).where(condition).order_by(tables.device_files.c.position.desc()).limit(1)
+    query = sa.select(*_COLUMNS).where(condition).order_by(tables.device_files.c.position.desc()).limit(1)
     row = connection.execute(query).first()
     if row is None:
         raise ServiceError(ErrorCode.DEVICE_UNKNOWN, missing)
     return _device(row)
-
-
-def _columns() -> list[sa.Column[object]]:
-    return [tables.device_files.c[name] for name in StoredDevice.__slots__]
 
 
 def _device(row: sa.Row[*tuple[Any, ...]]) -> StoredDevice:
