@@ -103,9 +103,9 @@ coverage: $(VENV)/.runtime  ## are the predicted 95 % bounds true: COUNT=1000 sc
 	$(BIN)/python benchmarks/coverage.py --count $(or $(COUNT),1000) --processes $(or $(PROCESSES),2) \
 	  --folder $(or $(FOLDER),$(RESULTS)/coverage)
 
-faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong each, or of FAULTS=nothing, from seed FIRST=0, PROCESSES=2; results kept in FOLDER
-	$(BIN)/python benchmarks/faulted.py --count $(or $(COUNT),1000) --first $(or $(FIRST),0) --processes $(or $(PROCESSES),2) \
-	  $(if $(FAULTS),--faults $(FAULTS)) --folder $(or $(FOLDER),$(RESULTS)/faulted)
+faulted: $(VENV)/.runtime  ## register COUNT=1000 scenes with one thing wrong each, or of FAULTS=nothing, from seed FIRST=0, PROCESSES=2, and docs/faulted.md; goes on where it ended (COUNT=0: the page alone); results in docs/faulted.json, every scene in FOLDER
+	$(BIN)/python -m benchmarks.faulted --count $(or $(COUNT),1000) --first $(or $(FIRST),0) --processes $(or $(PROCESSES),2) \
+	  $(if $(FAULTS),--faults $(FAULTS)) --folder $(or $(FOLDER),$(RESULTS)/faulted) --published docs/faulted.json --page docs/faulted.md
 
 interlock-removal: $(VENV)/.test  ## take each interlock out in turn and say which test of the rules fails: INTERLOCKS="at_rest pin"
 	$(BIN)/python -m benchmarks.interlock_removal $(if $(INTERLOCKS),--interlocks $(INTERLOCKS))

@@ -8,14 +8,16 @@ item, 0 none of it. Exit status 1 where a trial is bad or could not be run.
 """
 
 import argparse
+import math
 import sys
 from functools import partial
 from pathlib import Path
 
 from benchmarks.evidence.code import ROOT
+from benchmarks.evidence.item import Item
 from benchmarks.evidence.items import ITEMS
 from benchmarks.evidence.page import page
-from benchmarks.evidence.runs import begin, finish, publish, row, workers
+from benchmarks.evidence.runs import begin, finish, left, planned, publish, row, workers
 
 PUBLISHED = ROOT / "docs" / "evidence.json"
 
@@ -35,9 +37,12 @@ def main() -> None:
     if options.share:
         with workers(options.processes, partial(publish, ITEMS, options.folder, options.published)) as pool:
             asked = [item for item in ITEMS if options.items is None or item.name in options.items]
-            begun = [(item, begin(item, options.folder, options.published, options.share, pool)) for item in asked]
-            for item, parts in begun:
-                whole &= finish(item, parts)
+            begun = [
+                (item.name, [begin(item, options.folder, part, pool) for part in _left(item, options)])
+                for item in asked
+            ]
+            for name, parts in begun:
+                whole &= finish(name, parts)
     states = publish(ITEMS, options.folder, options.published)
     rows = [row(item, options.folder, states[item.name]) for item in ITEMS]
     text = page(rows)
@@ -45,6 +50,11 @@ def main() -> None:
     if options.page is not None:
         options.page.write_text(text)
     sys.exit(0 if whole and not any(one.today.bad for one in rows) else 1)
+
+
+def _left(item: Item, options: argparse.Namespace) -> list[list[int]]:
+    count = math.ceil(planned(item, options.folder) * options.share)
+    return left(item, options.folder, options.published, range(count))
 
 
 if __name__ == "__main__":

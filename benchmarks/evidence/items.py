@@ -24,7 +24,15 @@ _SERVICE = ("service.cli.main", "service.cli.serve", "robot.guard.__main__", "se
 
 
 def _always(count: int) -> Callable[[Path], int]:
-    return lambda _inputs: count
+    return partial(_constant, count)
+
+
+def _constant(count: int, _inputs: Path) -> int:
+    return count
+
+
+def _calls(faults: int, inputs: Path) -> int:
+    return len((inputs / CALLS).read_text().split()) * faults
 
 
 # An item whose trials are about one whole case and its record.
@@ -38,11 +46,7 @@ _of_a_whole_case = partial(
 
 def _of_every_call(name: str, what: str, asked: str, faults: Sequence[str]) -> Item:
     """Every call in turn with every fault."""
-
-    def count(inputs: Path) -> int:
-        return len((inputs / CALLS).read_text().split()) * len(faults)
-
-    trials = partial(failing_calls.trials, faults=faults)
+    count, trials = partial(_calls, len(faults)), partial(failing_calls.trials, faults=faults)
     return _of_a_whole_case(name, what, asked, count, trials, at_once=20, waits=True)
 
 

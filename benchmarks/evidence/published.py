@@ -34,6 +34,7 @@ class State:
     first_s: Sum = _NO_SUM  # of the first trial of a part, which pays for what the part begins with
     others_s: Sum = _NO_SUM
     load: Sum = _NO_SUM  # of the machine
+    worst: dict[str, float] = field(default_factory=dict)  # the largest of what trials measured, by its name
 
     @property
     def done(self) -> int:
@@ -59,9 +60,10 @@ class State:
         """These too, each number once; of a number that was tried twice the bad one."""
         of_number = {trial["number"]: trial for trial in sorted(trials, key=lambda trial: bool(trial["bad"]))}
         new = [trial for number, trial in sorted(of_number.items()) if number not in self.known]
-        kinds = Counter(self.kinds)
+        kinds, worst = Counter(self.kinds), dict(self.worst)
         for trial in new:
             kinds.update(trial["kinds"] if "kinds" in trial else [trial["kind"]])
+            worst |= {name: max(value, worst.get(name, value)) for name, value in trial.get("measured", {}).items()}
         return State(
             self.code,
             tuple(dict.fromkeys((*self.commits, *(trial["commit"] for trial in new)))),
@@ -71,6 +73,7 @@ class State:
             _sum(self.first_s, [trial["seconds"] for trial in new if trial.get("first")]),
             _sum(self.others_s, [trial["seconds"] for trial in new if not trial.get("first")]),
             _sum(self.load, [trial["load"] for trial in new if "load" in trial]),
+            worst,
         )
 
 

@@ -5,14 +5,13 @@ Every trial is a line of FOLDER/NAME.jsonl, with the fingerprint of its code: an
 
 import json
 import logging
-import math
 import multiprocessing
 import os
 import signal
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -24,7 +23,6 @@ import structlog
 
 from benchmarks.evidence.code import commit
 from benchmarks.evidence.item import Item
-from benchmarks.evidence.items import ITEMS
 from benchmarks.evidence.published import State, gathered, read, write
 from benchmarks.evidence.timing import Timing, timing
 from benchmarks.kept import keep_line, kept_lines
@@ -50,10 +48,15 @@ class Row:
         return self.today.bad == 0 and self.today.done >= self.planned
 
 
+def planned(item: Item, folder: Path) -> int:
+    """Trials of the whole proof."""
+    return item.count(prepared(item, folder))
+
+
 def row(item: Item, folder: Path, states: Sequence[State]) -> Row:
     """By its gathered states."""
     *earlier, today = states
-    count = item.count(prepared(item, folder))
+    count = planned(item, folder)
     last_tried = today if today.done or not earlier else earlier[-1]
     return Row(item, count * item.executions, tuple(earlier), today, timing(item, last_tried, count))
 
@@ -99,21 +102,25 @@ def workers(processes: int, at_end: Callable[[], object]) -> Iterator[ProcessPoo
     pool.shutdown()
 
 
-def begin(item: Item, folder: Path, published: Path, share: float, pool: ProcessPoolExecutor) -> Parts:
-    """Have what is missing of an item's trials run, behind what was begun before."""
-    inputs, known = prepared(item, folder), states_of(item, folder, published)[-1].known
-    todo = [number for number in range(math.ceil(item.count(inputs) * share)) if number not in known]
-    parts = [todo[first : first + item.at_once] for first in range(0, len(todo), item.at_once)]
-    return [pool.submit(_run_part, item.name, folder, inputs, part) for part in parts]
+def left(item: Item, folder: Path, published: Path, numbers: Iterable[int]) -> list[list[int]]:
+    """Those that are neither published nor kept, in parts that are run at a time."""
+    known = states_of(item, folder, published)[-1].known
+    todo = [number for number in numbers if number not in known]
+    return [todo[first : first + item.at_once] for first in range(0, len(todo), item.at_once)]
 
 
-def finish(item: Item, parts: Parts) -> bool:
+def begin(item: Item, folder: Path, numbers: Sequence[int], pool: ProcessPoolExecutor) -> "Future[None]":
+    """Have one part run, behind what was begun before."""
+    return pool.submit(_run_part, item, folder, prepared(item, folder), numbers)
+
+
+def finish(name: str, parts: Parts) -> bool:
     """Wait for them; False where they could not all be run."""
     started_s, whole = time.monotonic(), True
     for done, part in enumerate(as_completed(parts), 1):
         whole &= _told(part)
         left_min = (time.monotonic() - started_s) / done * (len(parts) - done) / 60.0
-        print(f"\r{item.name}: {done} of {len(parts)} parts, {left_min:.0f} min left ", end="", file=sys.stderr)
+        print(f"\r{name}: {done} of {len(parts)} parts, {left_min:.0f} min left ", end="", file=sys.stderr)
     return whole
 
 
@@ -142,17 +149,16 @@ def _end(*_: Any) -> None:
     sys.exit(f"ended by {signal.SIGTERM.name}")
 
 
-def _run_part(name: str, folder: Path, inputs: Path, numbers: Sequence[int]) -> None:
+def _run_part(item: Item, folder: Path, inputs: Path, numbers: Sequence[int]) -> None:
     """Some trials, unless this process is asked to end."""
     try:
-        _run_trials(name, folder, inputs, numbers)
+        _run_trials(item, folder, inputs, numbers)
     except (SystemExit, KeyboardInterrupt):  # all is cleared away; the pool would take it for a part that failed
         os._exit(1)
 
 
-def _run_trials(name: str, folder: Path, inputs: Path, numbers: Sequence[int]) -> None:
+def _run_trials(item: Item, folder: Path, inputs: Path, numbers: Sequence[int]) -> None:
     """Each kept as soon as it is done."""
-    item = next(item for item in ITEMS if item.name == name)
     at, before_s = commit(), _spent_s(item)
     for place, trial in enumerate(item.trials(inputs, numbers)):
         now_s = _spent_s(item)
@@ -160,7 +166,7 @@ def _run_trials(name: str, folder: Path, inputs: Path, numbers: Sequence[int]) -
         before_s = now_s
         keep_line(_file(item, folder), trial | timed | {"code": item.code, "commit": at})
         if trial["bad"]:
-            print(f"\nbad: {name}: {json.dumps(trial)}", file=sys.stderr)
+            print(f"\nbad: {item.name}: {json.dumps(trial)}", file=sys.stderr)
 
 
 def _spent_s(item: Item) -> float:

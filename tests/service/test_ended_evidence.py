@@ -27,16 +27,15 @@ def _without_end(folder, numbers):
 
 
 @pytest.mark.parametrize("asked", [signal.SIGTERM, signal.SIGINT])
-def test_a_worker_that_is_asked_to_end_clears_away_and_takes_no_other_part(tmp_path, monkeypatch, asked):
+def test_a_worker_that_is_asked_to_end_clears_away_and_takes_no_other_part(tmp_path, asked):
     item = Item("one", "something", "0 bad", lambda _: 3, _without_end, 1, modules=("benchmarks.kept",))
-    monkeypatch.setattr(runs, "ITEMS", (item,))
 
     def work():
         signal.signal(signal.SIGINT, signal.default_int_handler)  # what is started in the background ignores it
         runs._begin()
         for part in range(3):  # as a pool does, to which whatever is raised is the part's result
             try:
-                runs._run_part("one", tmp_path, tmp_path, [part])
+                runs._run_part(item, tmp_path, tmp_path, [part])
             except BaseException:  # noqa: BLE001  # as the pool does
                 continue
 
@@ -51,17 +50,17 @@ def test_a_worker_that_is_asked_to_end_clears_away_and_takes_no_other_part(tmp_p
 
 
 def test_a_run_that_is_asked_to_end_publishes_what_was_done(tmp_path):
-    options = ["--folder", tmp_path, "--published", tmp_path / "evidence.json", "--items", "fuzz_json"]
-    run = subprocess.Popen([sys.executable, "-m", "benchmarks.evidence", *options], stderr=subprocess.DEVNULL)
+    options = ["--folder", tmp_path, "--faults", "line_hidden"]
+    run = subprocess.Popen([sys.executable, "-m", "benchmarks.faulted", *options], stderr=subprocess.DEVNULL)
     try:
-        until((tmp_path / "fuzz_json.jsonl").exists, 60.0)
+        until((tmp_path / "line_hidden.jsonl").exists, 60.0)
         run.terminate()
         assert run.wait(20.0) == 1
     finally:
         run.kill()
         run.wait()
-    (state,) = read(tmp_path / "evidence.json")["fuzz_json"]
-    assert state.known == {trial["number"] for trial in kept_lines(tmp_path / "fuzz_json.jsonl")}
+    (state,) = read(tmp_path / "published.json")["line_hidden"]
+    assert state.known == {trial["number"] for trial in kept_lines(tmp_path / "line_hidden.jsonl")}
 
 
 def test_of_two_runs_that_prepare_one_folder_the_first_to_be_done_has_made_it(tmp_path):

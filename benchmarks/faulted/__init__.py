@@ -1,0 +1,1 @@
+"""Scenes with one thing wrong each, by the ten thousand: how many are accepted and wrong."""
