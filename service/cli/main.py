@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from service.cores import use_one_core_for_algebra
 from service.version import PRODUCT_VERSION
 
 _GROUP = "coaxial.commands"
@@ -57,4 +58,5 @@ def coaxial(
 
 def main() -> None:
     """Entry point of the installed command."""
+    use_one_core_for_algebra()
     app()

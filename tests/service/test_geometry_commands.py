@@ -1,4 +1,5 @@
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -280,3 +281,21 @@ def test_geometry_needs_neither_web_stack_nor_database(arguments: str) -> None:
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="with one core the linear algebra has no threads anyway")
+def test_a_command_calculates_without_threads_of_the_linear_algebra() -> None:
+    script = (
+        "import os, sys\n"
+        "from service.cli.main import main\n"
+        "sys.argv[1:] = ['plan-carm', '--entry', '32,85,12', '--target', '20,40,4']\n"
+        "try:\n"
+        "    main()\n"
+        "finally:\n"
+        "    assert 'numpy' in sys.modules\n"
+        "    print(len(os.listdir('/proc/self/task')), file=sys.stderr)\n"
+    )
+    chosen = {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"}
+    environment = {name: value for name, value in os.environ.items() if name not in chosen}
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, env=environment)
+    assert done.stderr == "1\n"
