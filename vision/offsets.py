@@ -1,13 +1,14 @@
 """How far each piece of a wire lies from its model: least squares over its pixels, the ground held as smooth as it is.
 
-How much the ground bends is measured in the image itself: the spread of the pieces' own grounds, less what noise makes
-of it, is the prior of each of them (empirical Bayes).
+How much the ground bends is measured in the image itself: the spread of the pieces' own grounds, in all and around each
+piece, less what noise makes of it, is the prior of that piece's ground (empirical Bayes).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
 
 from vision.pieces import GROUND, Pieces
 from vision.wire_shape import PIXEL_VARIANCE
@@ -18,6 +19,9 @@ _CROSSING_SD = 0.5  # of what crosses, in its expected absorption: a wire's, a l
 DISPLAY_GAMMA = 0.8  # of display look-ups, 0.7 to 0.95: what was shown has so much of the absorption's slope
 _USUAL_PIXELS = 10.0  # pixels by which a piece's own noise is drawn to the median's: those of some two unknowns
 _ROUNDING = 1e-9  # relative; keeps empty pieces solvable
+_AROUND = 9  # pieces, some eight wire widths, whose grounds bend about alike
+_USUAL_PIECES = 4.0  # as how many pieces the usual ground counts beside those around: as many as it takes to know
+_STEEPEST_SQUARE = 400.0  # of a ground's term against the usual one: twenty times, an edge of bone
 _LEAST_VARIANCE = 1e-6  # of a ground's term: a thousandth of absorption
 _ROBUST = 1.4826  # standard deviation of a Gaussian by its median absolute deviation
 
@@ -56,15 +60,27 @@ def measure_offsets(pieces: Pieces, expected: float, blur_px: float) -> Offsets:
     solved = (inverse @ sums.wanted[:, :, None])[:, :, 0]
     usual = float(np.median(sums.noise(solved)))
     ground = np.arange(GROUND.start + 1, GROUND.stop)
-    spread = (_ROBUST * np.median(np.abs(solved[:, ground]), axis=0)) ** 2
-    by_noise = usual * np.median(np.diagonal(inverse, axis1=1, axis2=2)[:, ground], axis=0)
-    held[:, ground, ground] += usual / np.maximum(spread - by_noise, _LEAST_VARIANCE)
+    by_noise = usual * np.diagonal(inverse, axis1=1, axis2=2)[:, ground]
+    held[:, ground, ground] += usual / _bending(solved[:, ground], by_noise)
     by_shift = np.zeros_like(sums.wanted)
     by_shift[:, 1] = 1.0
     solved, by_shift = np.moveaxis(np.linalg.solve(held, np.stack((sums.wanted, by_shift), axis=2)), 2, 0)
     noise = sums.noise(solved)
     noise = (noise * sums.pixels + np.median(noise) * _USUAL_PIXELS) / (sums.pixels + _USUAL_PIXELS)
     return _offsets(pieces, solved, noise * by_shift[:, 1], blur_px)
+
+
+def _bending(ground: Array, by_noise: Array) -> Array:
+    """Variances (s, k) of the pieces' true grounds, whose terms (s, k) were solved with variances (s, k) by noise.
+
+    Bone is rougher than tissue: beside the usual piece, which is their median, stand those around. None counts for more
+    than an edge does, so that one thing across a wire leaves its neighbours' grounds held.
+    """
+    usual = (_ROBUST * np.median(np.abs(ground), axis=0)) ** 2 - np.median(by_noise, axis=0)
+    usual = np.maximum(usual, _LEAST_VARIANCE)
+    square = np.minimum(ground**2 - by_noise, _STEEPEST_SQUARE * usual)
+    around = uniform_filter1d(square, _AROUND, axis=0, mode="nearest")
+    return np.maximum((_USUAL_PIECES * usual + _AROUND * around) / (_USUAL_PIECES + _AROUND), _LEAST_VARIANCE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
