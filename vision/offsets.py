@@ -21,7 +21,7 @@ _USUAL_PIXELS = 10.0  # pixels by which a piece's own noise is drawn to the medi
 _ROUNDING = 1e-9  # relative; keeps empty pieces solvable
 _AROUND = 9  # pieces, some eight wire widths, whose grounds bend about alike
 _USUAL_PIECES = 4.0  # as how many pieces the usual ground counts beside those around: as many as it takes to know
-_STEEPEST_SQUARE = 400.0  # of a ground's term against the usual one: twenty times, an edge of bone
+_STEEPEST_SQUARE = 25.0  # of a ground's term against the usual one: five times, which is some edge and not the ground
 _LEAST_VARIANCE = 1e-6  # of a ground's term: a thousandth of absorption
 _ROBUST = 1.4826  # standard deviation of a Gaussian by its median absolute deviation
 
@@ -80,7 +80,9 @@ def _bending(ground: Array, by_noise: Array) -> Array:
     usual = np.maximum(usual, _LEAST_VARIANCE)
     square = np.minimum(ground**2 - by_noise, _STEEPEST_SQUARE * usual)
     around = uniform_filter1d(square, _AROUND, axis=0, mode="nearest")
-    return np.maximum((_USUAL_PIECES * usual + _AROUND * around) / (_USUAL_PIECES + _AROUND), _LEAST_VARIANCE)
+    return np.asarray(
+        np.maximum((_USUAL_PIECES * usual + _AROUND * around) / (_USUAL_PIECES + _AROUND), _LEAST_VARIANCE)
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
