@@ -106,6 +106,18 @@ def test_balls_below_a_wire_do_not_move_it(view: View, guide: Guide) -> None:
     assert float(np.sqrt(np.mean(unaware.offset_px[near] ** 2))) > 0.2
 
 
+def test_rough_ground_below_a_stretch_of_a_ring_moves_it_little(
+    view: View, guide: Guide, values: NDArray[np.float32]
+) -> None:
+    u, v = np.meshgrid(np.arange(1024.0), np.arange(1024.0))
+    waves = 0.15 * np.sin(2.0 * np.pi * u / 18.0) * np.cos(2.0 * np.pi * v / 18.0) * (u < 400.0)
+    pieces, offsets = measured(view, guide, values + waves.astype(np.float32))
+    there = pieces.samples.points[:, 0] < 395.0
+    assert there.sum() > 20
+    # a ground held as smooth as the usual piece's leaves twice as much
+    assert float(np.median(np.abs(offsets.offset_px[there]))) < 0.02
+
+
 def test_noise_is_told_by_the_standard_deviation(view: View, guide: Guide, values: NDArray[np.float32]) -> None:
     clean = measured(view, guide, values)[1].offset_px
     noise = np.random.default_rng(3).normal(0.0, 0.03, values.shape).astype(np.float32)
