@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pydicom
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, UnidentifiedImageError
 from PIL.TiffImagePlugin import TiffImageFile
 from pydicom.pixels import pixel_array
 from pydicom.uid import JPEG2000, JPEG2000Lossless, JPEGLSLossless, JPEGLSNearLossless
@@ -145,6 +145,8 @@ def _decode_picture(data: bytes, frame: int | None) -> _Stored | Refusal:
             # of 16 bits Pillow hands out what the file holds, of 8 it turns the polarity itself
             white_is_zero = bits > 8 and _tiff_tag(picture, _TIFF_PHOTOMETRIC) == 0
             return _Stored(np.array(picture), bits, white_is_zero)
+    except UnidentifiedImageError:  # its words name an object in memory
+        return Refusal(RefusalCode.UNREADABLE_IMAGE, "the bytes are no readable image: neither DICOM, PNG nor TIFF")
     except (OSError, ValueError, SyntaxError, OverflowError, MemoryError, Image.DecompressionBombError) as error:
         return _unreadable(error)
 
