@@ -43,9 +43,8 @@ def take_lease(connection: Connection, case_id: str, session: Session, reason: s
     return lease
 
 
-def check_lease(connection: Connection, case_id: str, session: Session, fencing_token: int | None) -> Lease:
-    """The lease, if this session holds it with its newest token; ServiceError LEASE_MISSING or LEASE_LOST."""
-    lease = lease_of(connection, case_id)
+def check_lease(lease: Lease | None, session: Session, fencing_token: int | None) -> Lease:
+    """The case's lease, if this session holds it with its newest token; ServiceError LEASE_MISSING or LEASE_LOST."""
     if lease is None or fencing_token is None:
         raise ServiceError(ErrorCode.LEASE_MISSING, "this request needs the control lease")
     if lease.session_id != session.id or lease.fencing_token != fencing_token:

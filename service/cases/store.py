@@ -8,6 +8,7 @@ idempotency key commit together or not at all.
 """
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 from typing import Any
 
 import sqlalchemy as sa
@@ -54,6 +55,14 @@ _EVENTS_AFTER = (
 )
 _CASE = sa.select(tables.cases).where(tables.cases.c.id == sa.bindparam("id"))
 _PLANNED_TARGETS = sa.select(tables.planned_targets).where(tables.planned_targets.c.case_id == sa.bindparam("case_id"))
+
+# Constants in the query's text, for else the index of the events that end a case is not used.
+_ENDED = tables.events.c.state.in_(sa.bindparam("over", _OVER, expanding=True, literal_execute=True))
+# What is over stays so; in order, so that SQLite walks both indexes side by side: 1.5 ms for 10,000 cases.
+_OPEN_CASE = sa.except_(
+    sa.select(tables.cases.c.id).where(tables.cases.c.room == sa.bindparam("room")),
+    sa.select(tables.events.c.case_id).where(_ENDED),
+).order_by(sa.text("1"))
 
 
 def open_case(connection: Connection, case: NewCase, event: NewEvent) -> StoredEvent:
@@ -177,18 +186,18 @@ def planned_targets(connection: Connection, case_id: str) -> dict[str, Any]:
 
 def open_case_of(connection: Connection, room: str) -> str | None:
     """The id of the room's case that is neither closed nor aborted, if there is one."""
-    events, cases = tables.events, tables.cases
-    # constants in the query's text, for else the index of the events that end a case is not used
-    over = events.c.state.in_(sa.bindparam("over", _OVER, expanding=True, literal_execute=True))
-    of_room, ended = sa.select(cases.c.id).where(cases.c.room == room), sa.select(events.c.case_id).where(over)
-    # what is over stays so; in order, so that SQLite walks both indexes side by side: 1.5 ms for 10,000 cases
-    return connection.execute(sa.except_(of_room, ended).order_by(sa.text("1"))).scalar()
+    return connection.execute(_OPEN_CASE, {"room": room}).scalar()
+
+
+@cache
+def _artefact_of(kind: ArtefactKind) -> sa.Select[Any]:
+    table = tables.metadata.tables[kind]
+    return sa.select(table).where(table.c.id == sa.bindparam("id"))
 
 
 def read_artefact(connection: Connection, kind: ArtefactKind, artefact_id: str) -> StoredArtefact:
     """One artefact; ServiceError ARTEFACT_UNKNOWN."""
-    table = tables.metadata.tables[kind]
-    row = connection.execute(sa.select(table).where(table.c.id == artefact_id)).first()
+    row = connection.execute(_artefact_of(kind), {"id": artefact_id}).first()
     if row is None:
         raise ServiceError(ErrorCode.ARTEFACT_UNKNOWN, f"there is no row {artefact_id} in {kind}")
     return _artefact(row)

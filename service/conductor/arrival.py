@@ -12,6 +12,7 @@ from sqlalchemy.engine import Connection
 from service.cases import store
 from service.conductor.conductor import Conductor
 from service.conductor.taking import Prepared, Standing, Taken
+from service.conductor.verdict_json import plain_verdict
 from service.database import tables
 from service.errors import ErrorCode, ServiceError
 from service.images.store import (
@@ -101,7 +102,7 @@ def _prepare(conductor: Conductor, standing: Standing, image_id: str, statement:
         if entered and window is not None:
             conductor.bridge.watch.assign_exposure(window.id, image_id)
         arm = _pose_json(exposure) if entered and exposure is not None else {}
-        verdicts = tuple(asdict(verdict) for verdict in decision.verdicts)
+        verdicts = tuple(map(plain_verdict, decision.verdicts))
         assign_purpose(connection, NewPurpose(image_id, standing.case.case_id, purpose, arm, verdicts))
 
     data: dict[str, Any] = {"image_id": image_id, "problem": image.problem}

@@ -157,7 +157,7 @@ class Conductor:
             return CommandAnswer(**kept.body)
         standing = stand(connection, self.rules, caller.case_id, trigger)
         if trigger in LEASED:
-            check_lease(connection, caller.case_id, caller.session, caller.control_token)
+            check_lease(standing.lease, caller.session, caller.control_token)
         taken = take(standing, self.rules, trigger, prepare(standing), caller.session.user_id, caller.version)
         if isinstance(taken, Taken) and caller.intent:
             answer = answer_of(taken)

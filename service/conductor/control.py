@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends
 from sqlalchemy.engine import Connection
 
-from service.auth.lease import lease_of, take_lease
+from service.auth.lease import take_lease
 from service.auth.permissions import Permission, Role
 from service.conductor.answers import CommandAnswer
 from service.conductor.bodies import Acknowledge, WithReason
@@ -57,8 +57,7 @@ def acknowledged(
 
 
 def _lease(conductor: Conductor, caller: Caller, standing: Standing, reason: str) -> Prepared:
-    before = lease_of(standing.connection, caller.case_id)
-    token = (before.fencing_token if before else 0) + 1
+    token = (standing.lease.fencing_token if standing.lease else 0) + 1
 
     def unlock(_: Decision) -> None:
         # A guard starts locked; whoever first takes control of a calm case has looked at the arm. One that does not

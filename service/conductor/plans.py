@@ -15,7 +15,6 @@ from service.conductor.answers import CommandAnswer
 from service.conductor.bodies import RequestPlan
 from service.conductor.caller import Caller, requesting
 from service.conductor.conductor import Conductor, TheConductor, new_id
-from service.conductor.device_set import devices_of
 from service.conductor.goals import Goal, goal_of, way_to
 from service.conductor.plan_content import plan_content
 from service.conductor.route_errors import PLANNING
@@ -58,7 +57,7 @@ def _prepare(
     if reading is None or reading.arm is None:
         raise ServiceError(ErrorCode.ARM_UNKNOWN, "nothing was read from the arm yet")
     goal = goal_of(standing.connection, standing.case, wanted, reading.arm)
-    path = way_to(goal, reading.arm, devices_of(standing.connection, standing.case.case_id))
+    path = way_to(goal, reading.arm, standing.devices)
     return _planned(still, wanted, goal, path, reading.arm)
 
 

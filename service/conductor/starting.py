@@ -11,7 +11,6 @@ from service.cases.records import ArtefactKind, Json, NewArtefact, StoredArtefac
 from service.conductor.answers import CommandAnswer
 from service.conductor.caller import Caller
 from service.conductor.conductor import Conductor, new_id
-from service.conductor.device_set import devices_of
 from service.conductor.taking import Prepared, Standing
 from service.errors import ErrorCode, ServiceError
 from workflow.decisions import Decision
@@ -30,7 +29,7 @@ def start_move(conductor: Conductor, caller: Caller, permit_id: str) -> CommandA
         plan = _plan_of(standing, permit_id)
         if plan is None:
             return Prepared(facts)
-        move = _move(permit_id, plan.content, devices_of(standing.connection, standing.case.case_id).tool)
+        move = _move(permit_id, plan.content, standing.devices.tool)
         use = {"motion_id": facts.motion_id, "plan_id": plan.id, "kind": plan.content["kind"]}
         artefact = NewArtefact(ArtefactKind.PERMIT_USE, permit_id, (permit_id, plan.id), use, {})
 

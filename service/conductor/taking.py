@@ -11,7 +11,7 @@ from service.cases import store
 from service.cases.attempts import record_attempt
 from service.cases.records import NewArtefact, NewAttempt, NewEvent, StoredCase, StoredEvent
 from service.conductor.configuration import configuration_of
-from service.conductor.device_set import changed_devices, read_devices
+from service.conductor.device_set import DeviceSet, changed_devices, read_devices
 from service.conductor.snapshots import Held, measure
 from service.conductor.verdict_json import kept_verdict, verdict_json
 from service.errors import ErrorCode, ServiceError
@@ -37,6 +37,14 @@ class Standing:
     case: CaseState
     snapshot: SafetySnapshot
     lease: Lease | None
+    read_devices: DeviceSet | None  # None for a fact, which no device judges
+
+    @property
+    def devices(self) -> DeviceSet:
+        """The device files that a request is judged with."""
+        if self.read_devices is None:
+            raise AssertionError("no device file was read for a fact")
+        return self.read_devices
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,11 +101,11 @@ def stand(connection: Connection, rules: Rules, case_id: str, trigger: Trigger) 
     opened, last = case_here(connection, rules, case_id)
     case, lease = from_json(dict(last.case_state)), lease_of(connection, case_id)
     if trigger.kind is Kind.FACT:
-        return Standing(connection, last, case, unknown_snapshot(), lease)
+        return Standing(connection, last, case, unknown_snapshot(), lease, None)
     devices = read_devices(connection, changed_devices(connection, case_id, opened.devices))
     configuration = configuration_of(opened, rules.settings_sha256, devices)
     held = Held(lease.fencing_token if lease else None, devices, configuration)
-    return Standing(connection, last, case, measure(rules.watch, case, trigger, held), lease)
+    return Standing(connection, last, case, measure(rules.watch, case, trigger, held), lease, devices)
 
 
 def case_here(connection: Connection, rules: Rules, case_id: str) -> tuple[StoredCase, StoredEvent]:

@@ -7,13 +7,18 @@ from typing import Any
 from service.cases.records import NewVerdict
 from workflow.verdicts import Verdict
 
-_TOLD = tuple(field.name for field in fields(Verdict))  # plain values, of which nothing needs to be copied
+_TOLD = tuple(field.name for field in fields(Verdict))
 _KEPT = tuple(field.name for field in fields(NewVerdict))
+
+
+def plain_verdict(verdict: Verdict) -> dict[str, Any]:
+    """Field by field; none of the values needs to be copied."""
+    return {name: getattr(verdict, name) for name in _TOLD}
 
 
 def verdict_json(verdict: Verdict) -> dict[str, Any]:
     """With whether a surgeon's override would let it pass, so that a tablet needs no rule of its own."""
-    return {name: getattr(verdict, name) for name in _TOLD} | {"overridable": verdict.overridable}
+    return plain_verdict(verdict) | {"overridable": verdict.overridable}
 
 
 def kept_verdict(verdict: Mapping[str, Any]) -> NewVerdict:

@@ -3,7 +3,7 @@
 import asyncio
 import math
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from typing import Annotated, Any, Self
 
 import structlog
@@ -30,6 +30,7 @@ _log = structlog.get_logger(__name__)
 _LOOK_EVERY_S = 0.01
 _HELD_WITHIN_S = 10.0  # without a held heartbeat the socket is closed: nothing was started
 _LARGEST_MESSAGE = 512
+_ENDING = tuple(field.name for field in fields(Ending))
 
 
 class HeartbeatMessage(BaseModel):
@@ -86,7 +87,7 @@ async def _run(held: _Hold, ending: "asyncio.Future[Ending]") -> None:
             over = await _moved(held, forwarding, ending)
         reporting.cancel()
         if over is not None and (forwarding.cancelled() or not forwarding.done()):
-            await held.socket.send_json({"type": "ended", **asdict(over)})
+            await held.socket.send_json({"type": "ended"} | {name: getattr(over, name) for name in _ENDING})
             await held.socket.close()
     except WebSocketDisconnect:
         _log.warning("hold_ended", case_id=held.caller.case_id, reason="disconnected")

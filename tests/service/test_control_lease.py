@@ -27,7 +27,7 @@ def holders(database, users):
 def _check(database, session, token) -> str | None:
     with database.read() as connection:
         try:
-            check_lease(connection, "case-1", session, token)
+            check_lease(lease_of(connection, "case-1"), session, token)
         except ServiceError as error:
             return error.code
     return None
