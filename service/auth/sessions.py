@@ -2,8 +2,9 @@
 
 import hashlib
 import secrets
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 from uuid import uuid4
@@ -24,12 +25,16 @@ _log = structlog.get_logger(__name__)
 
 # A session's last use is written at most this often: reading the status must not cost a disk write each time.
 _SEEN_STEP_S = 10.0
+# Sessions that are over may still stop, so they are remembered: 5 MB of them, some months of a room. Beyond that those
+# give way that have been over for longest, and whoever has only such a one signs in again to stop by the tablet.
+MOST_REMEMBERED = 10_000
 # Neither revoked nor of a user who was disabled.
 _ALIVE = (
     sa.select(tables.sessions, tables.users.c.name, tables.users.c.role)
     .join(tables.users, tables.users.c.id == tables.sessions.c.user_id)
     .where(tables.sessions.c.revoked_at.is_(None), tables.users.c.disabled_at.is_(None))
 )
+_NEWEST_FIRST = _ALIVE.order_by(tables.sessions.c.expires_at_s.desc())
 _ALIVE_BY_TOKEN = _ALIVE.where(tables.sessions.c.token_sha256 == sa.bindparam("token_sha256"))
 
 
@@ -40,8 +45,10 @@ class SessionStore:
         self._database = database
         self._settings = settings
         self._now_s = now_s
+        self._remembering = threading.Lock()
         with database.read() as connection:
-            self._remembered = {row.token_sha256: self._session(row) for row in connection.execute(_ALIVE)}
+            newest_first = list(self._worth_remembering(connection.execute(_NEWEST_FIRST)))
+        self._remembered = dict(reversed(newest_first))
 
     def create(self, user: User) -> tuple[str, Session]:
         """A session for a user who has proved a password: its token, told once, and the session."""
@@ -59,7 +66,7 @@ class SessionStore:
                     last_seen_at_s=now_s,
                 )
             )
-        self._remembered[_digest(token)] = session
+        self._remember(token, session)
         return token, session
 
     def find(self, token: str) -> Session | None:
@@ -81,7 +88,7 @@ class SessionStore:
         with self._database.read() as connection:
             row = connection.execute(_ALIVE_BY_TOKEN, {"token_sha256": _digest(token)}).first()
         if row is None:
-            self._remembered.pop(_digest(token), None)
+            self._forget(token)
         return row
 
     def _note_use(self, session: Session) -> None:
@@ -108,7 +115,26 @@ class SessionStore:
         with self._database.write() as connection:
             where = tables.sessions.c.token_sha256 == _digest(token)
             connection.execute(sa.update(tables.sessions).where(where).values(revoked_at=now_utc()))
-        self._remembered.pop(_digest(token), None)
+        self._forget(token)
+
+    def _remember(self, token: str, session: Session) -> None:
+        with self._remembering:
+            self._remembered[_digest(token)] = session
+            while len(self._remembered) > MOST_REMEMBERED:
+                digest, oldest = next(iter(self._remembered.items()))
+                if self._now_s() < oldest.expires_at_s:
+                    return
+                del self._remembered[digest]
+
+    def _forget(self, token: str) -> None:
+        with self._remembering:
+            self._remembered.pop(_digest(token), None)
+
+    def _worth_remembering(self, newest_first: Iterable[sa.Row[Any]]) -> Iterator[tuple[str, Session]]:
+        for number, row in enumerate(newest_first):
+            if number >= MOST_REMEMBERED and self._now_s() >= row.expires_at_s:
+                return
+            yield row.token_sha256, self._session(row)
 
     def _set(self, session_id: str, **values: object) -> None:
         with self._database.write() as connection:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 import sqlalchemy as sa
 
+from service.auth import sessions as sessions_module
 from service.auth.permissions import Role
 from service.auth.proofs import Proofs
 from service.auth.session import SessionStatus
@@ -179,6 +180,27 @@ def test_sessions_outlive_the_service_and_so_does_the_stop(database, sessions, a
     restarted = SessionStore(database, _RULES, clock)
     assert restarted.find(token) == session
     assert restarted.remembered(token) == session
+
+
+def test_of_sessions_that_are_over_the_newest_may_stop_and_none_that_is_not_gives_way(
+    database, sessions, anna, clock, monkeypatch
+):
+    monkeypatch.setattr(sessions_module, "MOST_REMEMBERED", 3)
+    over = []
+    for _ in range(4):
+        over.append(sessions.create(anna)[0])
+        clock.now_s += 2000  # s, of the 1000 that a session lasts
+    alive = []
+    for _ in range(4):
+        alive.append(sessions.create(anna)[0])
+        clock.now_s += 1
+    for store in (sessions, SessionStore(database, _RULES, clock)):
+        assert [store.remembered(token) is not None for token in (*over, *alive)] == [False] * 4 + [True] * 4
+    clock.now_s += 2000
+    newest, _ = sessions.create(anna)
+    for store in (sessions, SessionStore(database, _RULES, clock)):
+        kept = [store.remembered(token) is not None for token in (*over, *alive, newest)]
+        assert kept == [False] * 6 + [True] * 3
 
 
 @pytest.mark.hazard("H27")
