@@ -26,6 +26,7 @@ class RefusalCode(StrEnum):
     MOTION_RUNNING = "motion_running"
     PERMIT_REUSED = "permit_reused"
     NO_LIVE_HEARTBEAT = "no_live_heartbeat"
+    FEEDBACK_LATE = "feedback_late"
     ARM_UNREACHABLE = "arm_unreachable"
     ARM_NOT_READY = "arm_not_ready"
     ARM_NOT_AT_REST = "arm_not_at_rest"

@@ -284,6 +284,9 @@ ANSWERS: dict[str, Answer] = {
     "motion_running": Answer(409, "Wait for the end of the motion, or stop."),
     "permit_reused": Answer(409, "Plan and approve anew."),
     "no_live_heartbeat": Answer(409, "Hold the button on a live connection."),
+    "feedback_late": Answer(
+        409, "See what keeps packets back between the controller and this machine: switch, cable, load."
+    ),
     "arm_unreachable": Answer(409, "Check power and network of the arm and its address in the settings."),
     "arm_not_ready": Answer(409, "Switch the arm on, release the brakes, clear any stop at the pendant."),
     "arm_not_at_rest": Answer(409, "Wait until the arm is at rest."),

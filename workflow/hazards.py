@@ -142,9 +142,10 @@ _LIST = (
     ),
     Hazard(
         "H21",
-        "The arm's feedback is frozen, no number or out of order",
+        "The arm's feedback is frozen, no number, out of order or late",
         "a fault of controller or network",
-        "Readings count only while the controller's time advances and all values are finite; else the motion ends.",
+        "Readings count only while the controller's time advances, as fast as the clock here, and all values are "
+        "finite; else the motion ends.",
     ),
     Hazard(
         "H22",

@@ -1,12 +1,13 @@
 """Whether a motion may begin: asked with the command, and again once control is taken."""
 
 from robot.guard.course import Course
+from robot.guard.feedback import STALE_S
 from robot.guard.force import refuse_force
 from robot.guard.heartbeat import SILENCE_S, HeartbeatMonitor
 from robot.guard.journal import FLUSH_S, Journal
 from robot.guard.messages import BeginMove, Phase
 from robot.guard.observer import Observer
-from robot.guard.preflight import refuse_arm
+from robot.guard.preflight import refuse_arm, refuse_late
 from robot.refusal import Refusal, RefusalCode
 
 _HEARD_WITHIN_S = 0.4  # taking control blocks, and heartbeats with it; a hold that is there shows within this after
@@ -36,7 +37,14 @@ class Admission:
 
     def refuse_launch(self, course: Course, now_s: float) -> Refusal | None:
         """Refusal of a motion once control is taken, which took its time (H04, H16, H18)."""
-        return self._refuse_now(course.move, now_s)
+        return self._refuse_now(course.move, now_s) or self._refuse_unseen(course, now_s)
+
+    def awaits_script(self, course: Course, now_s: float) -> bool:
+        """Whether sound feedback does not show yet that the control script runs, and may do so in time (H21)."""
+        newest = self._observer.newest
+        if newest is None or newest.program_running or not self._observer.is_sound(now_s):
+            return False
+        return now_s - course.controlled_at_s <= STALE_S
 
     def may_wait(self, course: Course, now_s: float) -> bool:
         """Whether the hold goes on but was not heard while control was being taken, and may yet be heard in time."""
@@ -47,6 +55,8 @@ class Admission:
 
     def _refuse_now(self, move: BeginMove, now_s: float) -> Refusal | None:
         newest = self._observer.newest
+        if self._observer.late_s > STALE_S:
+            return refuse_late("the controller's feedback comes late (s)", self._observer.late_s, STALE_S)
         if newest is None or not self._observer.is_sound(now_s):
             return Refusal(RefusalCode.ARM_UNREACHABLE, "no sound feedback from the controller", None, None)
         return (
@@ -66,6 +76,13 @@ class Admission:
         if newest is None or not newest.program_running:
             return None
         return Refusal(RefusalCode.ARM_NOT_READY, "another program runs on the controller", None, None)
+
+    def _refuse_unseen(self, course: Course, now_s: float) -> Refusal | None:
+        """Feedback that is as late as on its first packet, which no comparison with the promptest one shows (H21)."""
+        newest = self._observer.newest
+        if newest is None or newest.program_running:
+            return None
+        return refuse_late("the feedback does not show the control script (s)", now_s - course.controlled_at_s, STALE_S)
 
     def _refuse_unwritten(self, move: BeginMove) -> Refusal | None:
         """The intent is on the disk before the motion is on the wire (H24)."""

@@ -11,9 +11,11 @@ from robot.guard.deviation import has_kept_tcp
 from robot.guard.journal import Journal, trajectory_file
 from robot.guard.messages import BeginMove, EndCause, MotionEnded, MotionStarted, Phase
 from robot.guard.motion import MotionJudge
-from robot.guard.preflight import refuse_tcp
+from robot.guard.preflight import refuse_late, refuse_tcp
 from robot.refusal import Refusal, RefusalCode
 
+# Round trip of one question: two cycles of a controller and the way there and back, 10 to 25 ms at 125 Hz.
+_ANSWER_S = 0.2
 WATCHDOG_HZ = 2.5  # of the controller: 0.4 s without a packet and it stops by itself (H17, H20)
 _STOP_AGAIN_S = 0.2  # a stop that shows no effect is sent again
 _GIVE_UP_S = 3.0  # a UR5 needs up to 0.5 s to stop
@@ -49,14 +51,25 @@ class Course:
         self._samples = 0
 
     def take_control(self) -> Refusal | None:
-        """Upload the control script and compare the active TCP (H10)."""
+        """Upload the control script and compare the active TCP (H10), which is to be told in time (H21)."""
         try:
             self._arm.take_control(WATCHDOG_HZ)
+        except RobotError as error:
+            return Refusal(RefusalCode.CONTROLLER_REFUSED, str(error), None, None)
+        asked_s = self._clock()
+        refusal = self._ask_for_tcp()
+        self.controlled_at_s = self._clock()
+        answered_s = self.controlled_at_s - asked_s
+        if answered_s > _ANSWER_S:  # whether it answered in the end or not
+            return refuse_late("the controller took this long to answer (s)", answered_s, _ANSWER_S)
+        return refusal or refuse_tcp(self.move, self._flange_from_tcp)
+
+    def _ask_for_tcp(self) -> Refusal | None:
+        try:
             self._flange_from_tcp = self._arm.flange_from_tcp()
         except RobotError as error:
             return Refusal(RefusalCode.CONTROLLER_REFUSED, str(error), None, None)
-        self.controlled_at_s = self._clock()
-        return refuse_tcp(self.move, self._flange_from_tcp)
+        return None
 
     def launch(self, start: ArmState, resting_force_n: Array) -> MotionStarted | Refusal:
         """Put the motion on the wire; what is felt above the resting force (3,), base axes, will end it."""

@@ -165,6 +165,8 @@ class Guard:
     def _launch(self, course: Course, now_s: float) -> None:
         if self._stops != self._stops_seen:
             return  # a stop was sent and is on its way to `handle`
+        if self._admission.awaits_script(course, now_s):
+            return
         refusal = self._admission.refuse_launch(course, now_s)
         silent = refusal is None or refusal.code is RefusalCode.NO_LIVE_HEARTBEAT
         if silent and self._admission.may_wait(course, now_s):
@@ -232,7 +234,8 @@ class Guard:
         fault = self._observer.fault(now_s)
         if fault is not None and fault is not self._fault:
             self._idle_phase = Phase.HELD
-            self._tell(Fault(fault, now_s, f"the arm reports {fault}"))
+            late = f", the newest {self._observer.late_s:.3f} s late" if fault is FaultKind.FEEDBACK_LOST else ""
+            self._tell(Fault(fault, now_s, f"the arm reports {fault}{late}"))
         self._fault = fault
         disturbed = None if reading is None else self._displacement.observe(reading)
         if disturbed is not None:

@@ -60,6 +60,11 @@ class Observer:
         """Whether the newest reading is good and fresh (H21)."""
         return self._bad is None and self._feedback.is_fresh(now_s)
 
+    @property
+    def late_s(self) -> float:
+        """How much longer the newest good reading was on its way than the promptest of this connection."""
+        return self._feedback.late_s
+
     def fault(self, now_s: float) -> FaultKind | None:
         """What keeps the arm from moving now."""
         newest = self._feedback.newest

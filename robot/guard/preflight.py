@@ -32,6 +32,11 @@ def refuse_arm(move: BeginMove, reading: ArmState) -> Refusal | None:
     )
 
 
+def refuse_late(message: str, late_s: float, limit_s: float) -> Refusal:
+    """Refusal of a motion whose arm would be seen too late (H21)."""
+    return Refusal(RefusalCode.FEEDBACK_LATE, message, late_s, limit_s)
+
+
 def refuse_tcp(move: BeginMove, flange_from_tcp: Transform) -> Refusal | None:
     """Refusal of a motion for the TCP that the controller has active (H10)."""
     offset_mm, angle_rad = distance_between(move.flange_from_guide, flange_from_tcp)

@@ -3,6 +3,7 @@
 import asyncio
 import socket
 import struct
+from collections import deque
 from collections.abc import Mapping
 from math import nan
 from typing import TYPE_CHECKING
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 _SOCKET_BUFFER_BYTES = 250_000
 _BACKLOG_LIMIT_BYTES = 800_000
 _DRIPPING_LIMIT_BYTES = 10_000
+_LATE_S = 0.5
+_FALLEN_BEHIND = 0.2  # of a packet, with each
 
 
 class RtdeConnection:
@@ -35,6 +38,8 @@ class RtdeConnection:
         self._held_back = b""
         self._first_of_pair = False
         self._dripping = b""
+        self._under_way: deque[bytes] = deque()
+        self._late_by = 0.0
 
     @property
     def claimed(self) -> set[str]:
@@ -70,7 +75,7 @@ class RtdeConnection:
         """Send this cycle's packet if it is due, and whatever a fault has held back."""
         if self._started and self._output is not None and cycle % self._every == 0:
             packet = frame(PacketType.DATA, self._output.pack([values[name] for name in self._output.names]))
-            self._write(self._swapped(packet) if Fault.PACKETS_OUT_OF_ORDER in self._server.faults else packet)
+            self._delay(self._swapped(packet) if Fault.PACKETS_OUT_OF_ORDER in self._server.faults else packet)
         self._drip()
         if self._writer.transport.get_write_buffer_size() > _BACKLOG_LIMIT_BYTES:
             self.close()
@@ -94,6 +99,19 @@ class RtdeConnection:
         else:
             self._writer.write(self._dripping + packet)
             self._dripping = b""
+
+    def _delay(self, packet: bytes) -> None:
+        """Send what is due by now: this packet, or older ones where a fault makes all of them late."""
+        most = _LATE_S * self._server.frequency_hz / self._every
+        if Fault.PACKETS_LATE in self._server.faults:
+            self._late_by = most
+        elif Fault.PACKETS_FALL_BEHIND in self._server.faults:
+            self._late_by = min(self._late_by + _FALLEN_BEHIND, most)
+        else:
+            self._late_by = 0.0
+        self._under_way.append(packet)
+        while len(self._under_way) > self._late_by:
+            self._write(self._under_way.popleft())
 
     def _drip(self) -> None:
         if Fault.BYTES_DRIP in self._server.faults:

@@ -69,6 +69,8 @@ class Fault(StrEnum):
     VALUES_NAN = "values_nan"
     PACKETS_OUT_OF_ORDER = "packets_out_of_order"
     PACKETS_STOP = "packets_stop"
+    PACKETS_LATE = "packets_late"  # by half a second, each of them
+    PACKETS_FALL_BEHIND = "packets_fall_behind"  # each a fifth of a cycle more than the last, up to that half second
     BYTES_DRIP = "bytes_drip"  # one byte a cycle
     # The connections break, and stay refused until cleared.
     RTDE_CLOSED = "rtde_closed"

@@ -164,7 +164,7 @@ def _pose(scene: Scene) -> tuple[float, ...]:
 
 
 LOST = {"feedback_lost", "guard_lost"}
-STARTS_NOTHING = {"arm_unreachable", "controller_refused", *LOST}
+STARTS_NOTHING = {"arm_unreachable", "controller_refused", "feedback_late", *LOST}
 
 _GUARD_AGAIN_S = 30.0  # a guard that ended itself with a broken link starts anew on a busy machine
 
@@ -188,7 +188,7 @@ class Row:
         """Of which one must be told."""
         if when is When.STARTING:
             told = self.told.get(When.AWAITED, set()) | self.told.get(When.MOVING, set())
-            return told | {"not_started", "no_live_heartbeat"} if told else told
+            return told | {"not_started", "no_live_heartbeat", "feedback_late"} if told else told
         return self.told.get(when, set())
 
 
@@ -225,6 +225,8 @@ ROWS = [
     feedback_row(Planted.PACKETS_STOP, ()),
     feedback_row(Planted.PACKETS_OUT_OF_ORDER),
     feedback_row(Planted.BYTES_DRIP),
+    feedback_row(Planted.PACKETS_LATE, ()),
+    feedback_row(Planted.PACKETS_FALL_BEHIND, ()),
     feedback_row(Planted.RTDE_CLOSED, ()),
     feedback_row(Planted.RTDE_RESET, uploads=2),
     feedback_row(Planted.SWITCHED_OFF),

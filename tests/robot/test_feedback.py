@@ -21,6 +21,36 @@ def test_advancing_readings_are_good_and_go_stale(at: At) -> None:
 
 
 @pytest.mark.hazard("H21")
+def test_readings_that_come_later_and_later_go_stale_however_steadily_they_come(at: At) -> None:
+    watch = FeedbackWatch()
+    for index in range(8):  # each 16 ms later than its time, beyond the first
+        watch.take(replace(at(0.008 * index), received_at_s=50.0 + 0.024 * index))
+    assert watch.late_s == pytest.approx(0.112, abs=1e-3)
+    assert not watch.is_fresh(50.0 + 0.024 * 7)
+    watch.forget()
+    watch.take(replace(at(0.064), received_at_s=60.0))
+    assert watch.is_fresh(60.0)
+
+
+def test_a_reading_that_is_late_alone_leaves_the_next_one_fresh(at: At) -> None:
+    watch = FeedbackWatch()
+    watch.take(at(0.0))
+    watch.take(replace(at(0.008), received_at_s=0.09))
+    assert watch.late_s == pytest.approx(0.082, abs=1e-3)
+    assert not watch.is_fresh(0.12)
+    watch.take(replace(at(0.088), received_at_s=0.091))
+    assert watch.is_fresh(0.12)
+
+
+@pytest.mark.parametrize("rate", [-6e-4, 6e-4])  # a slewed clock and two crystals
+def test_two_clocks_that_differ_make_no_reading_late(at: At, rate: float) -> None:
+    watch = FeedbackWatch()
+    for second in range(0, 36000, 10):  # ten hours
+        watch.take(replace(at(float(second)), received_at_s=second * (1.0 + rate)))
+        assert watch.is_fresh(second * (1.0 + rate) + 0.09)
+
+
+@pytest.mark.hazard("H21")
 @pytest.mark.parametrize("field", ["joints_rad", "joint_speeds_rad_s", "base_from_tcp", "payload_centre_mm"])
 @pytest.mark.parametrize("value", [np.nan, np.inf, -1e200])  # the last one's square is none
 def test_reading_with_a_number_that_is_none_is_not_kept(at: At, field: str, value: float) -> None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from robot.errors import ControllerRefusedError
 from robot.guard.messages import BeginMove, MoveRefused, Phase
 from robot.refusal import RefusalCode
 from robot.safety import SafetyState
@@ -91,3 +92,49 @@ def test_connection_that_breaks_before_the_motion_starts_nothing(room: Room, mov
     assert room.newest(MoveRefused).refusal.code is RefusalCode.ARM_UNREACHABLE
     assert "move" not in room.orders
     assert room.guard.severed
+
+
+@pytest.mark.hazard("H21")
+def test_feedback_that_does_not_show_the_script_in_time_lets_nothing_begin(room: Room, move: BeginMove) -> None:
+    """Late from its first packet on, it shows an arm that was, and still none of the script that runs."""
+
+    def unseen() -> None:
+        room.reading = replace(room.reading, program_running=False)
+
+    room.while_control_is_taken = unseen
+    begin(room, move)
+    assert room.guard.phase is Phase.STARTING  # it may yet come
+    for number in range(2, 30):
+        room.beat(number)
+        room.turn()
+    refusal = room.newest(MoveRefused).refusal
+    assert (refusal.code, refusal.limit) == (RefusalCode.FEEDBACK_LATE, 0.1)
+    assert 0.1 < refusal.measured < 0.12
+    assert "move" not in room.orders
+
+
+def test_feedback_that_shows_the_script_a_moment_later_lets_the_motion_begin(room: Room, move: BeginMove) -> None:
+    room.while_control_is_taken = lambda: setattr(room, "reading", replace(room.reading, program_running=False))
+    begin(room, move)
+    room.turn()
+    assert "move" not in room.orders
+    room.reading = replace(room.reading, program_running=True)
+    room.turn()
+    assert "move" in room.orders
+
+
+@pytest.mark.hazard("H21")
+@pytest.mark.parametrize("fails", [False, True])
+def test_controller_that_answers_late_is_not_moved(room: Room, move: BeginMove, monkeypatch, fails: bool) -> None:
+    def answer() -> np.ndarray:
+        room.now_s += 0.21
+        if fails:
+            raise ControllerRefusedError("no answer")
+        return np.eye(4)
+
+    monkeypatch.setattr(room, "flange_from_tcp", answer)
+    begin(room, move)
+    refusal = room.newest(MoveRefused).refusal
+    assert (refusal.code, refusal.limit) == (RefusalCode.FEEDBACK_LATE, 0.2)
+    assert refusal.measured == pytest.approx(0.21)
+    assert "move" not in room.orders
