@@ -12,6 +12,7 @@ from service.conductor.bodies import Acknowledge, WithReason
 from service.conductor.caller import Caller, requesting
 from service.conductor.conductor import Conductor, TheConductor
 from service.conductor.route_errors import REQUESTING
+from service.conductor.stopping import perform_stopped
 from service.conductor.taking import Prepared, Standing
 from workflow.decisions import Decision
 from workflow.facts import Acknowledged, LeaseTaken, Reasoned
@@ -25,17 +26,13 @@ def lease_taken(
     body: WithReason, caller: Annotated[Caller, Depends(requesting(Permission.TAKE_LEASE))], conductor: TheConductor
 ) -> CommandAnswer:
     """Take control, from whoever has it; an arm that moves is stopped first. The token outdates every earlier one."""
-    moving = conductor.bridge.is_moving()
-    if moving:
-        conductor.bridge.stop_to_record()
-        conductor.bridge.stop("control was taken")
-    try:
-        return conductor.perform(
-            caller, Trigger.LEASE_TAKEN, lambda standing: _lease(conductor, caller, standing, body.reason)
-        )
-    finally:
-        if moving:
-            conductor.bridge.stop_recorded()
+
+    def prepare(standing: Standing) -> Prepared:
+        return _lease(conductor, caller, standing, body.reason)
+
+    if conductor.bridge.is_moving():
+        return perform_stopped(conductor, caller, Trigger.LEASE_TAKEN, prepare, "control was taken")
+    return conductor.perform(caller, Trigger.LEASE_TAKEN, prepare)
 
 
 @router.post("/cases/{case_id}/hold-requested", openapi_extra=REQUESTING)

@@ -11,6 +11,7 @@ from service.conductor.caller import Caller, stating
 from service.conductor.conductor import Conductor, TheConductor
 from service.conductor.device_set import device_ids, read_devices
 from service.conductor.route_errors import STATING, STATING_ABOUT_A_FILE
+from service.conductor.stopping import perform_stopped
 from service.conductor.taking import Prepare, Prepared
 from workflow.facts import Facts, GuideStated, Movement
 from workflow.triggers import Trigger
@@ -23,12 +24,7 @@ def state(conductor: Conductor, caller: Caller, trigger: Trigger, facts: Facts, 
     """Record a fact; the arm is stopped first if the fact says that it must stand."""
     if not conductor.would_stop(caller.case_id, trigger, facts):
         return conductor.perform(caller, trigger, prepare)
-    conductor.bridge.stop_to_record()
-    try:
-        conductor.bridge.stop(f"stated: {trigger}")
-        return conductor.perform(caller, trigger, prepare)
-    finally:
-        conductor.bridge.stop_recorded()
+    return perform_stopped(conductor, caller, trigger, prepare, f"stated: {trigger}")
 
 
 def state_only(conductor: Conductor, caller: Caller, trigger: Trigger, facts: Facts, **data: Any) -> CommandAnswer:

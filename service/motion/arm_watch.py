@@ -18,6 +18,9 @@ from service.motion.exposures import Exposure, Exposures
 
 # A status comes every 25 ms; a snapshot waits for one no older than this, so that a busy machine refuses nothing.
 _YOUNG_S = 0.05
+# Slow or not, the arm is not at rest before the guard has seen its motion's end: what is acknowledged earlier, the end
+# of a motion that was stopped locks again.
+_UNDER_WAY = (Phase.MOVING, Phase.STOPPING)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,7 +149,7 @@ class ArmWatch:
             arm=arm,
             arm_age_s=float("inf") if arm is None else now_s - arm.received_at_s,
             advances=bool(arm and before and status.connected and arm.controller_time_s > before.controller_time_s),
-            at_rest=None if arm is None else is_slow(arm),
+            at_rest=None if arm is None else is_slow(arm) and status.phase not in _UNDER_WAY,
         )
 
 

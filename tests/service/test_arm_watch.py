@@ -96,6 +96,13 @@ def test_a_guard_that_dies_at_rest_leaves_the_displacement_measurable(watch):
     assert watch.unaccounted("image").offset_mm == pytest.approx(0.1)
 
 
+@pytest.mark.hazard("H18")
+@pytest.mark.parametrize("phase", list(Phase))
+def test_an_arm_that_stands_is_at_rest_once_the_guard_has_ended_its_motion(watch, phase):
+    watch.seen(0.0, phase)
+    assert watch.reading().at_rest is (phase not in (Phase.MOVING, Phase.STOPPING))
+
+
 def test_an_exposure_is_watched_on_beside_a_newer_request_that_may_be_refused(watch):
     watch.open_exposure("first")
     watch.open_exposure("second")
