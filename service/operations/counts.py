@@ -22,6 +22,11 @@ _STOPS = Histogram(
 )
 _JOBS = Histogram("coaxial_image_work_seconds", "Image work, by job.", ["job"], buckets=_JOB_BUCKETS_S)
 _FAILED_JOBS = Counter("coaxial_image_work_failures", "Image work that ended by its deadline or a fault.", ["job"])
+IMAGE_WORK = tuple(
+    "register annotate handedness target evaluate carm_angles echo identify pixels overlay draw_figures typeset".split()
+)
+for _job in IMAGE_WORK:
+    _FAILED_JOBS.labels(_job)  # told as 0, so that the first failure is an increase and rings the alarm
 
 
 def count_decision(trigger: Trigger, answer: str, verdicts: Sequence[Verdict]) -> None:

@@ -12,6 +12,7 @@ from service.errors import ErrorCode, ServiceError
 from service.operations import counts, health
 from service.operations.metrics import measuring
 from service.settings import DicomSettings, HttpSettings, MetricsSettings, Settings
+from service.vision_jobs import JOBS
 
 _CASE = {
     "patient_id": "P-secret",
@@ -110,6 +111,13 @@ def test_a_stop_and_a_job_are_timed_and_a_failed_job_is_only_counted():
     counts.count_image_work("test", 0.25, failed=False)
     counts.count_image_work("test", 20.0, failed=True)
     assert [now - then for now, then in zip(sums(), before, strict=True)] == pytest.approx([0.004, 0.25, 1.0])
+
+
+def test_failures_of_every_job_are_told_before_the_first(measured):
+    _, address = measured
+    text = httpx.get(address).text
+    for job in JOBS:
+        assert _sample(text, f'coaxial_image_work_failures_total{{job="{job}"}}') == 0.0
 
 
 def test_nothing_listens_for_prometheus_unless_a_port_is_named(running):
