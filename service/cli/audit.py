@@ -106,12 +106,12 @@ def _print(
 ) -> None:
     from service.audit import record_reading
     from service.database.clock import as_utc
-    from service.database.current import current_database
+    from service.database.current import present_database
     from service.ledger.exports import ExportFormat, export
     from service.ledger.listing import Wanted
 
     wanted = Wanted(*words, *(as_utc(at) if at is not None else None for at in times))
-    with current_database(settings) as database:
+    with present_database(settings) as database:
         lines = export(database, wanted, ExportFormat(form), after, limit)
         record_reading(database, None, what, {"after": after, "limit": limit, "format": form.value})
         for text in lines:
@@ -129,15 +129,19 @@ def verify(
     data_folder: DataFolderOption = None,
 ) -> None:
     """Find every change, insertion, deletion, swap, cut and rewriting, and say where. Nothing is repaired."""
+    from service.database.current import check_present
     from service.database.engines import open_database
+    from service.database.migrate import check_current
     from service.ledger.keys import public_file
     from service.ledger.verifying import verify as verify_ledger
 
     with site_settings(config, data_folder) as settings:
         verifiers = _verifiers(public_key or [public_file(settings.key_file)])
+        check_present(settings)
         database = open_database(settings.database_url)
         started_s = time.monotonic()
         try:
+            check_current(database)
             found = verify_ledger(database, verifiers, anchor or settings.anchor_file, workers, _progress)
         finally:
             database.close()
@@ -173,11 +177,11 @@ def _tell(found: "Verification", took_s: float) -> None:
 def _record(settings: "Settings", found: "Verification") -> None:
     """That somebody looked is an entry itself, where the ledger still takes one."""
     from service.audit import record_audit
-    from service.database.current import current_database
+    from service.database.current import present_database
     from service.errors import ServiceError
 
     try:
-        with current_database(settings) as database, database.write() as connection:
+        with present_database(settings) as database, database.write() as connection:
             data = {"entries": found.entries, "findings": len(found.findings)}
             record_audit(connection, "ledger_verified", None, data)
     except ServiceError as error:

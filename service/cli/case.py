@@ -43,7 +43,7 @@ def report_one(
     """Write the report of a case, open ones too, as PDF/A; the same record gives the same file."""
     import asyncio
 
-    from service.database.current import current_database
+    from service.database.current import present_database
     from service.report.making import make_report
     from service.vision_worker import VisionWorker
 
@@ -54,7 +54,7 @@ def report_one(
         finally:
             await vision.close()
 
-    with site_settings(config, data_folder) as settings, current_database(settings) as database:
+    with site_settings(config, data_folder) as settings, present_database(settings) as database:
         content = asyncio.run(make())
     file = out or Path(f"case-{case_id}.pdf")
     write_file(file, content)
@@ -71,10 +71,10 @@ def export_one(
 ) -> None:
     """Write everything that was recorded of a case, with its proof; the same case gives the same file."""
     from service.archive.exporting import export_case
-    from service.database.current import current_database
+    from service.database.current import present_database
     from service.ledger.keys import signing_key
 
-    with site_settings(config, data_folder) as settings, current_database(settings) as database:
+    with site_settings(config, data_folder) as settings, present_database(settings) as database:
         signer = signing_key(settings.key_file)
         export_case(database, signer, case_id, None, out, pseudonymised=pseudonymise)
     typer.echo(f"{out}: signed by key {signer.verifier.name}")

@@ -36,10 +36,10 @@ def replay(
         typer.echo("name one case, or say --all", err=True)
         raise typer.Exit(_USAGE)
     from service.cores import use_one_core
-    from service.database.current import current_database
+    from service.database.current import present_database
 
     use_one_core()  # as the service computes
-    with site_settings(config, data_folder, _USAGE) as settings, current_database(settings) as database:
+    with site_settings(config, data_folder, _USAGE) as settings, present_database(settings) as database:
         case_ids = _case_ids(database, case)
         with _crew(workers, scheduler) as crew:
             totals = _run(crew(_inputs(database, settings, case_ids)), len(case_ids))

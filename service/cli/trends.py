@@ -27,11 +27,11 @@ def trends_command(
     data_folder: DataFolderOption = None,
 ) -> None:
     """Errors, residuals, distortion, exposures and time across cases, by guide, C-arm and TCP calibration."""
-    from service.database.current import current_database
+    from service.database.current import present_database
     from service.trends.figures import finished_cases
     from service.trends.series import chart_trends, to_json
 
-    with site_settings(config, data_folder) as settings, current_database(settings) as database:
+    with site_settings(config, data_folder) as settings, present_database(settings) as database:
         with database.read() as connection:
             cases = finished_cases(connection)
         charted = chart_trends(cases)

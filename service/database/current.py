@@ -31,11 +31,17 @@ def current_database(settings: Settings) -> Iterator[Database]:
 
 
 @contextmanager
+def present_database(settings: Settings) -> Iterator[Database]:
+    """As `current_database`, for what reads what is there: ServiceError DATABASE_FAULT where nothing is, none made."""
+    check_present(settings)
+    with current_database(settings) as database:
+        yield database
+
+
+@contextmanager
 def database_as_it_is(settings: Settings) -> Iterator[Database]:
     """The database with whatever schema it has, none made and none changed; ServiceError DATABASE_FAULT without one."""
-    address = sa.make_url(settings.database_url)
-    if address.get_backend_name() == "sqlite" and not Path(str(address.database)).is_file():
-        raise ServiceError(ErrorCode.DATABASE_FAULT, f"there is no database {address.database}")
+    check_present(settings)
     signer = signing_key(settings.key_file)
     database = open_database(settings.database_url, signer)
     try:
@@ -46,6 +52,15 @@ def database_as_it_is(settings: Settings) -> Iterator[Database]:
             advance_anchor(database, settings.anchor_file, signer)
     finally:
         database.close()
+
+
+def check_present(settings: Settings) -> None:
+    """ServiceError DATABASE_FAULT where the settings name a file that is not there: opening it would make it."""
+    address = sa.make_url(settings.database_url)
+    if address.get_backend_name() == "sqlite" and not Path(str(address.database)).is_file():
+        raise ServiceError(
+            ErrorCode.DATABASE_FAULT, f"there is no database {address.database}: is the data folder the one meant?"
+        )
 
 
 def make_data_folder(settings: Settings) -> None:

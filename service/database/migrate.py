@@ -59,6 +59,18 @@ def is_current(database: Database) -> bool:
     return version_of(database) == newest_version()
 
 
+def check_current(database: Database) -> None:
+    """For what changes nothing, the schema neither: ServiceError SCHEMA_OLD or SCHEMA_UNKNOWN where it is another."""
+    version = version_of(database)
+    if version is None:
+        raise ServiceError(ErrorCode.DATABASE_FAULT, "the database is empty")
+    if version == newest_version():
+        return
+    is_older = version in {script.revision for script in ScriptDirectory.from_config(_config()).walk_revisions()}
+    code = ErrorCode.SCHEMA_OLD if is_older else ErrorCode.SCHEMA_UNKNOWN
+    raise _refusal(database, code, f"the database is {'older' if is_older else 'newer'} than this program")
+
+
 def _config() -> Config:
     config = Config()
     config.set_main_option("script_location", str(Path(migrations.__file__).parent).replace("%", "%%"))

@@ -22,8 +22,19 @@ _STOPS = Histogram(
 )
 _JOBS = Histogram("coaxial_image_work_seconds", "Image work, by job.", ["job"], buckets=_JOB_BUCKETS_S)
 _FAILED_JOBS = Counter("coaxial_image_work_failures", "Image work that ended by its deadline or a fault.", ["job"])
-IMAGE_WORK = tuple(
-    "register annotate handedness target evaluate carm_angles echo identify pixels overlay draw_figures typeset".split()
+IMAGE_WORK = (
+    "register",
+    "annotate",
+    "handedness",
+    "target",
+    "evaluate",
+    "carm_angles",
+    "echo",
+    "identify",
+    "pixels",
+    "overlay",
+    "draw_figures",
+    "typeset",
 )
 for _job in IMAGE_WORK:
     _FAILED_JOBS.labels(_job)  # told as 0, so that the first failure is an increase and rings the alarm

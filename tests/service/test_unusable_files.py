@@ -1,6 +1,7 @@
 """Commands on the record that are given what they cannot use: one line that says what to do, and nothing half-made."""
 
 import getpass
+import sqlite3
 from pathlib import Path
 
 import orjson
@@ -13,6 +14,8 @@ from service.cli.main import app
 from service.cli.streams import write_file
 from service.database import tables
 from service.database.current import current_database
+from service.database.engines import open_database
+from service.database.migrate import version_of
 from service.settings import Settings
 
 
@@ -34,7 +37,7 @@ def run(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("command", "code"),
     [
-        ("audit list --data-folder file", "settings_refused"),
+        ("audit list --data-folder file", "database_fault"),
         ("user list --data-folder file/below", "settings_refused"),
         ("db restore file --data-folder file", "settings_refused"),
         ("audit key --data-folder file", "key_refused"),
@@ -50,6 +53,32 @@ def test_what_cannot_be_used_is_refused_in_one_line(run, command, code):
     (line,) = refused.stderr.splitlines()
     assert (refused.exit_code, line.split(":")[0]) == (3, code)
     assert line.endswith(".")
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["audit list", "audit export", "audit verify", "trends", "case export X --out X.zip", "case report X", "audit replay X"],
+)
+def test_a_mistyped_folder_is_refused_and_gets_no_database(run, tmp_path, command):
+    run("audit", "key", "--data-folder", "folder")
+    here = sorted((tmp_path / "folder").rglob("*"))
+    refused = run(*command.split(), "--data-folder", "folder")
+    assert refused.exit_code != 0
+    assert "database_fault: there is no database" in refused.stderr
+    assert "is the data folder the one meant?" in refused.stderr
+    assert sorted((tmp_path / "folder").rglob("*")) == here
+
+
+def test_verifying_says_that_a_database_is_older_and_leaves_it_so(run, tmp_path):
+    run("audit", "key", "--data-folder", "folder")
+    settings = Settings(data_folder=tmp_path / "folder")
+    with sqlite3.connect(tmp_path / "folder" / "coaxial.sqlite") as old:
+        old.executescript((Path(__file__).parent / "released" / "0001.sqlite.sql").read_text())
+    refused = run("audit", "verify", "--data-folder", "folder")
+    assert refused.stderr.startswith("schema_old: the database is older than this program")
+    database = open_database(settings.database_url)
+    assert version_of(database) == "0001"
+    database.close()
 
 
 @pytest.mark.parametrize("name", ["none", "folder"])
