@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from service.cli.plain import plain_typer
 from service.cli.replay import replay
 from service.cli.site import ConfigOption, DataFolderOption, site_settings
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from service.ledger.keys import Verifier
     from service.settings import Settings
 
-audit = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True)
+audit = plain_typer(no_args_is_help=True)
 audit.command()(replay)
 
 _FOUND = 1

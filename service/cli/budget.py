@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from service.cli.geometry import CArmOption, DepthOption, GuideOption
+from service.cli.plain import plain_typer
 from service.cli.streams import print_line, read_device, read_registration, write_file
 
 if TYPE_CHECKING:
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from vision.budget_conditions import Conditions
     from vision.motion_agreement import MotionErrors
 
-budget = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+budget = plain_typer()
 
 _SEED = 1  # of the check: the same figures each time
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from service.cli.geometry import CArmOption, GuideOption
+from service.cli.plain import plain_typer
 from service.cli.streams import REFUSED, end_unusable, print_line, print_refusal, read_device, read_image, write_file
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from vision.devices import CArm, Guide
     from vision.registered import Registration
 
-calibrate_tcp = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+calibrate_tcp = plain_typer()
 
 
 @calibrate_tcp.command()

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from service.cli.plain import plain_typer
 from service.cli.site import ConfigOption, DataFolderOption, in_one_line, site_settings
 from service.cli.streams import write_file
 
 if TYPE_CHECKING:
     from service.ledger.keys import Verifier
 
-case = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True)
+case = plain_typer(no_args_is_help=True)
 
 _FOUND = 1
 _SHOWN = 100

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 import typer
 
 from service.cli.check_lines import tell
+from service.cli.plain import plain_typer
 
 if TYPE_CHECKING:
     from coaxial_client import Coaxial
 
-daily_check = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+daily_check = plain_typer()
 
 _FAILED, _UNUSABLE = 3, 2
 _LOOK_EVERY_S = 0.2

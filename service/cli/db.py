@@ -5,9 +5,10 @@ from typing import Annotated
 
 import typer
 
+from service.cli.plain import plain_typer
 from service.cli.site import ConfigOption, DataFolderOption, site_settings
 
-db = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True)
+db = plain_typer(no_args_is_help=True)
 
 
 @db.callback()

@@ -8,9 +8,10 @@ from typing import Annotated
 
 import typer
 
+from service.cli.plain import plain_typer
 from service.cli.site import REFUSED, ConfigOption, DataFolderOption, site_settings
 
-doctor = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+doctor = plain_typer()
 
 
 @doctor.command()

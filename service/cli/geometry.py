@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from service.cli.plain import plain_typer
 from service.cli.registering import Job, answers
 from service.cli.streams import REFUSED, print_line, print_refusal, read_device, read_image, read_registration
 
@@ -62,11 +63,7 @@ SpaceChoice = Annotated[SpaceOption, typer.Option("--space", help="The grid in w
 DepthOption = Annotated[float, typer.Option("--depth-mm", help="Depth of the target below the big ring, mm.")]
 
 
-def _app() -> typer.Typer:
-    return typer.Typer(add_completion=False, pretty_exceptions_enable=False)
-
-
-register, target, evaluate, plan_carm = _app(), _app(), _app(), _app()
+register, target, evaluate, plan_carm = plain_typer(), plain_typer(), plain_typer(), plain_typer()
 
 
 @register.command()

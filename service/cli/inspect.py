@@ -9,13 +9,14 @@ import typer
 
 from service.cli.geometry import CArmOption, DepthOption, FrameOption, GuideOption, SpaceOption, pair
 from service.cli.inspection_page import Entry, page
+from service.cli.plain import plain_typer
 from service.cli.streams import print_line, print_refusal, read_device, read_image, write_file
 
 if TYPE_CHECKING:
     from vision.inspection import Inspection
     from vision.refusal import Refusal
 
-inspect = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+inspect = plain_typer()
 
 _TargetOption = Annotated[Any, typer.Option("--pixel", parser=pair, metavar="U,V", help="A target to aim at.")]
 

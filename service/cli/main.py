@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from service.cli.plain import plain_typer
 from service.cores import use_one_core_for_algebra
 from service.version import PRODUCT_VERSION
 
@@ -31,14 +32,7 @@ class LazyCommands(TyperGroup):
         return None
 
 
-# no boxes around errors: scripts expect one clear line
-app = typer.Typer(
-    cls=LazyCommands,
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-)
+app = plain_typer(cls=LazyCommands, no_args_is_help=True)
 
 
 def _tell_version(wanted: bool) -> None:

@@ -4,9 +4,10 @@ from typing import Annotated, Any
 
 import typer
 
+from service.cli.plain import plain_typer
 from service.cli.site import ConfigOption, DataFolderOption, in_one_line
 
-serve = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+serve = plain_typer()
 
 
 @serve.command()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from service.cli.plain import plain_typer
 from service.cli.site import ConfigOption, DataFolderOption, site_settings
 from service.cli.streams import print_line, write_file
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from service.trends.series import Series, Trends
 
 _FEW = 5  # cases whose median stands at either end of the table
-trends = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+trends = plain_typer()
 
 
 @trends.command()

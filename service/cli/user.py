@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from service.auth.permissions import Role
+from service.cli.plain import plain_typer
 from service.cli.site import ConfigOption, DataFolderOption, site_settings
 
 if TYPE_CHECKING:
     from service.auth.users import UserStore
 
-user = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True)
+user = plain_typer(no_args_is_help=True)
 
 
 @user.callback()
