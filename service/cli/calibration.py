@@ -4,7 +4,7 @@ Exit status: 0 done, 3 refused (the JSON says why), 2 wrong usage or unreadable 
 """
 
 import json
-from datetime import datetime
+from datetime import date, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,6 +25,13 @@ if TYPE_CHECKING:
 calibrate_tcp = plain_typer()
 
 
+def _not_past(expires: datetime) -> datetime:
+    """A file that has expired is refused wherever it is used: said before the images are looked at."""
+    if expires.date() < date.today():
+        raise typer.BadParameter(f"{expires.date()} is past")
+    return expires
+
+
 @calibrate_tcp.command()
 def calibrate_tcp_command(
     poses: Annotated[
@@ -38,7 +45,9 @@ def calibrate_tcp_command(
     carm: CArmOption,
     tool: Annotated[Path, typer.Option("--tool", help="The TCP file that the controller used at these poses.")],
     version: Annotated[str, typer.Option("--version", help="Version of the new file.")],
-    expires: Annotated[datetime, typer.Option("--expires", formats=["%Y-%m-%d"], help="Its last day of use.")],
+    expires: Annotated[
+        datetime, typer.Option("--expires", formats=["%Y-%m-%d"], callback=_not_past, help="Its last day of use.")
+    ],
     out: Annotated[Path, typer.Option("--out", help="Where to write the new TCP file.")],
 ) -> None:
     """Calibrate the TCP: twelve poses or so, the guide turned about two axes, one C-arm that stands still."""

@@ -73,9 +73,9 @@ def recorded(tmp_path_factory: pytest.TempPathFactory, device_files: dict[str, s
     return folder
 
 
-def run(folder: Path, poses: str = "poses.jsonl") -> Result:
+def run(folder: Path, poses: str = "poses.jsonl", expires: str = "2999-01-31") -> Result:
     devices = [word for kind in ("guide", "carm") for word in (f"--{kind}", str(folder / f"{kind}.toml"))]
-    rest = ["--tool", str(folder / "tcp.toml"), "--version", "2", "--expires", "2031-01-31"]
+    rest = ["--tool", str(folder / "tcp.toml"), "--version", "2", "--expires", expires]
     return CliRunner().invoke(calibrate_tcp, [str(folder / poses), *devices, *rest, "--out", str(folder / "new.toml")])
 
 
@@ -90,7 +90,7 @@ def test_planted_error_is_found_and_the_new_file_holds_it_with_an_expiry_and_all
     assert told["changed_mm"] == pytest.approx(0.5, abs=0.05)
     assert told["translation_sd_mm"] < 0.3
     assert len(told["residuals_mm"]) == IMAGES
-    assert (after.name, after.version, after.expires) == (before.name, "2", date(2031, 1, 31))
+    assert (after.name, after.version, after.expires) == (before.name, "2", date(2999, 1, 31))
     assert after.payload_kg == before.payload_kg
     assert after.tcp_tolerance_rad == pytest.approx(before.tcp_tolerance_rad, rel=1e-9)
     assert after.envelope.below_mm == before.envelope.below_mm
@@ -103,6 +103,14 @@ def test_too_few_poses_are_refused_and_nothing_is_written(recorded: Path) -> Non
     assert refused.exit_code == 3
     told = json.loads(refused.stdout)
     assert (told["code"], told["measured"], told["limit"]) == ("too_few_poses", 1.0, 6.0)
+    assert not (recorded / "new.toml").exists()
+
+
+def test_a_last_day_that_is_past_is_refused_before_the_images_are_looked_at(recorded: Path) -> None:
+    (recorded / "new.toml").unlink(missing_ok=True)
+    refused = run(recorded, expires="2026-01-31")
+    assert refused.exit_code == 2
+    assert "2026-01-31 is past" in refused.stderr
     assert not (recorded / "new.toml").exists()
 
 

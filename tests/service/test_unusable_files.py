@@ -57,7 +57,15 @@ def test_what_cannot_be_used_is_refused_in_one_line(run, command, code):
 
 @pytest.mark.parametrize(
     "command",
-    ["audit list", "audit export", "audit verify", "trends", "case export X --out X.zip", "case report X", "audit replay X"],
+    [
+        "audit list",
+        "audit export",
+        "audit verify",
+        "trends",
+        "case export X --out X.zip",
+        "case report X",
+        "audit replay X",
+    ],
 )
 def test_a_mistyped_folder_is_refused_and_gets_no_database(run, tmp_path, command):
     run("audit", "key", "--data-folder", "folder")
