@@ -38,7 +38,9 @@ from service.slicer.link import linking
 from service.version import PRODUCT_VERSION
 
 # Every feature's router, its paths below /api.
+# Each is tried in turn: those of a case, which every screen asks all the time, come first.
 ROUTERS: tuple[APIRouter, ...] = (
+    *CONDUCTOR_ROUTERS,
     service.auth.router.router,
     room_status.router,
     service.operations.health.router,
@@ -55,7 +57,6 @@ ROUTERS: tuple[APIRouter, ...] = (
     service.report.router.router,
     service.slicer.router.router,
     service.trends.router.router,
-    *CONDUCTOR_ROUTERS,
 )
 # What runs beside the requests: entered in this order once the parts are up, left in reverse before they close.
 BACKGROUND: tuple[Callable[[FastAPI, Parts], AbstractAsyncContextManager[None]], ...] = (

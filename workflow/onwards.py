@@ -1,8 +1,7 @@
 """What leads onwards: for a request that is refused, the triggers that bring it nearer."""
 
 from collections import deque
-from collections.abc import Iterable
-from functools import cache, reduce
+from functools import cache, lru_cache, reduce
 
 from workflow.case import CaseState
 from workflow.inquiry import Inquiry
@@ -66,19 +65,25 @@ def towards(case: CaseState, wanted: Trigger) -> tuple[Trigger, ...]:
     """The wanted trigger itself where this state lists it, else the first steps to a state that does."""
     if listed(case.state, wanted):
         return (wanted,)
-    return route(case, frozenset(state for state in State if listed(state, wanted)))
+    return route(case, _listing(wanted))
 
 
-def _ways() -> Iterable[Row]:
+@cache
+def _listing(wanted: Trigger) -> frozenset[State]:
+    return frozenset(state for state in State if listed(state, wanted))
+
+
+@cache
+def _ways() -> tuple[Row, ...]:
     rows = (entry for entry in TABLE if isinstance(entry, Row))
-    return (row for row in rows if row.trigger not in _NO_WAY_ON and row.to not in (Goto.SAME, State.SAFE_HOLD))
+    return tuple(row for row in rows if row.trigger not in _NO_WAY_ON and row.to not in (Goto.SAME, State.SAFE_HOLD))
 
 
-def _steps(case: CaseState) -> Iterable[tuple[Row, State]]:
+@lru_cache(maxsize=16)  # a status asks it of one case for every request that is refused
+def _steps(case: CaseState) -> tuple[tuple[Row, State], ...]:
     """Rows that lead out of the state of this very case, each with where it would settle."""
-    for row in _ways():
-        if case.state in row.sources:
-            yield row, row.to if isinstance(row.to, State) else _settled(case, row)
+    rows = (row for row in _ways() if case.state in row.sources)
+    return tuple((row, row.to if isinstance(row.to, State) else _settled(case, row)) for row in rows)
 
 
 def _settled(case: CaseState, row: Row) -> State:

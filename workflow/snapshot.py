@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, fields
 from enum import StrEnum
+from functools import cache
 from typing import Generic, TypeVar
 
 T_co = TypeVar("T_co", covariant=True)
@@ -67,6 +68,7 @@ class SafetySnapshot:
     control_token: Reading[int]  # fencing token of the control lease now
 
 
+@cache
 def unknown_snapshot() -> SafetySnapshot:
     """A snapshot that knows nothing, so that every interlock refuses."""
     return SafetySnapshot(**{field.name: Reading(None, math.inf) for field in fields(SafetySnapshot)})

@@ -1,6 +1,7 @@
 """The table, indexed by cell and checked: exactly one entry for every state, trigger and branch."""
 
 from collections.abc import Iterable
+from functools import cache
 
 from workflow.branches import branches_of
 from workflow.rows import Branch, Goto, Row, Unlisted
@@ -60,6 +61,7 @@ def _named(cell: Cell) -> str:
 CELLS = index(TABLE)
 
 
+@cache
 def listed(state: State, trigger: Trigger) -> bool:
     """Whether any row has this trigger in this state."""
     return any(isinstance(CELLS[state, trigger, branch], Row) for branch in branches_of(trigger))
