@@ -4,13 +4,14 @@ import hashlib
 import json
 import zipfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from service.archive.contents import line
 from service.errors import ErrorCode, ServiceError
 from service.ledger.keys import Signer
+from service.whole_file import whole_file
 
 MANIFEST, SIGNATURE, KEY = "manifest.json", "manifest.sig", "public-key.pem"
 SIGNED_APART = (MANIFEST, SIGNATURE, KEY)
@@ -29,20 +30,15 @@ def write_archive(out: Path, members: Mapping[str, bytes], manifest: bytes, sign
     """Write the members with their signed manifest; an unfinished file never has the name."""
     signature = signer.sign(manifest.decode()).encode()
     everything = {**members, MANIFEST: manifest, SIGNATURE: signature, KEY: signer.verifier.pem.encode()}
-    part = out.with_name(f".{out.name}.part")
     try:
-        with zipfile.ZipFile(part, "w", zipfile.ZIP_STORED) as file:
+        with whole_file(out) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_STORED) as file:
             for name in sorted(everything):
                 information = zipfile.ZipInfo(name, _DATE)
                 information.external_attr = _RIGHTS
                 information.create_system = 3  # Unix, whatever writes it
                 file.writestr(information, everything[name])
-        part.replace(out)
     except OSError as error:
         raise ServiceError(ErrorCode.ARCHIVE_REFUSED, f"{out} cannot be written ({error.strerror})") from error
-    finally:
-        with suppress(OSError):  # as where its folder is none
-            part.unlink(missing_ok=True)
 
 
 class Archive:

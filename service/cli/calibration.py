@@ -4,7 +4,7 @@ Exit status: 0 done, 3 refused (the JSON says why), 2 wrong usage or unreadable 
 """
 
 import json
-from datetime import date, datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -27,7 +27,7 @@ calibrate_tcp = plain_typer()
 
 def _not_past(expires: datetime) -> datetime:
     """A file that has expired is refused wherever it is used: said before the images are looked at."""
-    if expires.date() < date.today():
+    if expires.date() < datetime.now(UTC).date():
         raise typer.BadParameter(f"{expires.date()} is past")
     return expires
 

@@ -3,12 +3,13 @@
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TypeVar
 
 import typer
+
+from service.whole_file import whole_file
 
 if TYPE_CHECKING:
     from vision.refusal import Refusal
@@ -80,16 +81,12 @@ def refusal_line(refusal: "Refusal", image: Mapping[str, Any]) -> dict[str, Any]
 
 def write_file(path: Path, data: bytes) -> None:
     """Write a file whole or not at all, its folder made where missing; ends the command where that cannot be done."""
-    part = path.with_name(f".{path.name}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_bytes(data)
-        part.replace(path)
+        with whole_file(path) as part:
+            part.write_bytes(data)
     except OSError as error:
         end_unusable(path, error.strerror or error)
-    finally:
-        with suppress(OSError):  # as where its folder is none
-            part.unlink(missing_ok=True)
 
 
 def _read(path: Path) -> bytes:

@@ -8,13 +8,14 @@ import shutil
 import sqlite3
 import subprocess
 from collections.abc import Sequence
-from contextlib import closing, suppress
+from contextlib import closing
 from pathlib import Path
 
 import sqlalchemy as sa
 
 from service.database.engines import Database
 from service.errors import ErrorCode, ServiceError
+from service.whole_file import whole_file
 
 
 def back_up(database: Database, file: Path) -> None:
@@ -24,19 +25,15 @@ def back_up(database: Database, file: Path) -> None:
     """
     if file.exists():
         raise _refused(f"{file} exists")
-    part = file.with_name(f"{file.name}.part")
     try:
-        part.touch(mode=0o600)
-        if _is_sqlite(database):
-            _copy(Path(str(database.reader.url.database)), part)
-        else:
-            _run("pg_dump", database, "--format=custom", f"--file={part}")
-        part.replace(file)
+        with whole_file(file) as part:
+            part.touch(mode=0o600)
+            if _is_sqlite(database):
+                _copy(Path(str(database.reader.url.database)), part)
+            else:
+                _run("pg_dump", database, "--format=custom", f"--file={part}")
     except OSError as error:
         raise _refused(f"{file} cannot be written ({error.strerror})") from error
-    finally:
-        with suppress(OSError):  # as where its folder is none
-            part.unlink(missing_ok=True)
 
 
 def restore(database: Database, file: Path) -> None:

@@ -14,9 +14,9 @@ import structlog
 from service.database import tables
 from service.database.engines import Database
 from service.ledger.checkpoints import statement_on
-from service.ledger.durable_file import replace_text
 from service.ledger.entries import Head, head_of
 from service.ledger.keys import Signer, Verifier
+from service.whole_file import whole_file
 
 _log = structlog.get_logger(__name__)
 
@@ -59,6 +59,8 @@ def _write(file: Path, statement: str, signer: Signer) -> None:
     """Replaced whole: a crash or a power cut leaves the older anchor, which the database still confirms."""
     text = json.dumps({"statement": statement, "signature": signer.sign(statement)})
     try:
-        replace_text(file, text)
+        file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        with whole_file(file) as part:
+            part.write_text(text)
     except OSError as error:  # H24: another disk is full or away; the record goes on, the anchor follows later
         _log.error("anchor_not_written", reason=error.strerror)

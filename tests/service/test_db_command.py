@@ -48,7 +48,7 @@ def test_a_backup_brings_every_row_back_into_an_empty_database(run, address, dat
     backup, other = tmp_path / "backup", tmp_path / "other"
     other.mkdir()
     assert run(address, "backup", str(backup)).exit_code == 0
-    assert not backup.with_name("backup.part").exists()
+    assert not list(tmp_path.glob(".backup.*"))
     with databases.empty(other) as empty:
         assert run(empty, "restore", str(backup)).exit_code == 0
         rows = _rows(empty)
