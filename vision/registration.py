@@ -5,6 +5,7 @@ import time
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import ThreadpoolController
 
 from vision import gates, paper
 from vision.bands import DETECTOR_BLUR_MM
@@ -26,6 +27,8 @@ from vision.wire_model import Wire
 from vision.xray import XrayImage
 
 Array = NDArray[np.float64]
+
+_LIBRARIES = ThreadpoolController()  # those of numpy and scipy, which are loaded by now
 
 
 def register(
@@ -66,6 +69,12 @@ def examine(
     handedness_proved: bool = False,
 ) -> Findings:
     """As `register`, with what was found on the way to the registration or to the refusal."""
+    # over matrices of some ten rows threads of the linear algebra only wait for one another
+    with _LIBRARIES.limit(limits=1, user_api="blas"):
+        return _examined(image, guide, carm, method, handedness_proved)
+
+
+def _examined(image: XrayImage, guide: Guide, carm: CArm, method: Method, handedness_proved: bool) -> Findings:
     started = time.perf_counter()
     if guide.bead is None and not handedness_proved:
         message = "the guide has no bead: handedness must be proved once per C-arm connection by two images"

@@ -52,6 +52,7 @@ PURPOSE = {
     "scipy": "least squares, rotations, distributions",
     "sqlalchemy": "the database",
     "structlog": "structured logs",
+    "threadpoolctl": "one thread for the algebra of a registration",
     "transitions": "the state machine's engine",
     "typer": "the command line",
     "ur-rtde": "RTDE to the UR5, in the guard alone",

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from simulator.carm.drawing import random_scene
 from simulator.carm.guide import ALL_PARTS, GuideShape, Part
 from simulator.carm.render import RenderedXray, render
 from simulator.carm.scene import PlacedGuide, Scene
+from vision.corrected_image import correct
 from vision.devices import CArm, Guide
 from vision.refusal import Refusal, RefusalCode
 from vision.registered import Method, PixelSpace, Registration
@@ -281,3 +283,21 @@ def test_the_files_of_both_renderer_and_product_describe_one_guide(guide_toml: b
     assert file["big_ring"]["radius"] == shape.big_radius_mm
     assert file["axis"]["separation"] == shape.separation_mm
     assert tuple(file["bead"]["position"]) == shape.bead_mm
+
+
+def test_the_linear_algebra_works_in_one_thread_and_has_its_threads_back_then(
+    attempt: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def threads() -> set[int]:
+        return {one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"}
+
+    seen: list[set[int]] = []
+
+    def watched(image: XrayImage, carm: CArm) -> Any:
+        seen.append(threads())
+        return correct(image, carm)
+
+    monkeypatch.setattr("vision.registration.correct", watched)
+    with threadpool_limits(2, "blas"):
+        attempt(rendered("flat", 10).pixels, rendered("flat", 10).truth)
+        assert (seen, threads()) == ([{1}], {2})
