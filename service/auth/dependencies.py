@@ -56,6 +56,11 @@ def any_session(
 
 async def current_session(session: Annotated[Session, Depends(any_session)]) -> Session:
     """The caller's session, active; ServiceError SESSION_LOCKED or SESSION_EXPIRED otherwise."""
+    return active(session)
+
+
+def active(session: Session) -> Session:
+    """The session; ServiceError SESSION_LOCKED or SESSION_EXPIRED where it is that."""
     if session.status is SessionStatus.LOCKED:
         raise ServiceError(ErrorCode.SESSION_LOCKED, "the session is locked after a pause")
     if session.status is SessionStatus.EXPIRED:

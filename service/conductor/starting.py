@@ -1,5 +1,7 @@
 """The held button starts the approved motion: the permit is consumed in the record, then the guard is asked."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from robot.errors import GuardDownError
@@ -18,13 +20,18 @@ from workflow.facts import MoveStarted
 from workflow.triggers import Trigger
 
 
-def start_move(conductor: Conductor, caller: Caller, permit_id: str) -> CommandAnswer:
+def start_move(
+    conductor: Conductor, caller: Caller, permit_id: str, check: Callable[[], None] = lambda: None
+) -> CommandAnswer:
     """Start the motion of a permit; ServiceError with every verdict where it is refused. No packet goes out before.
 
+    `check` raises a ServiceError where whoever holds may hold no longer: asked once nobody else can write, for the
+    transaction may have been waited for.
     Where no guard takes the motion, the bridge tells a fault, which ends it in safe_hold: ServiceError guard_down.
     """
 
     def prepare(standing: Standing) -> Prepared:
+        check()
         facts = MoveStarted(new_id(), permit_id, -1 if caller.control_token is None else caller.control_token)
         plan = _plan_of(standing, permit_id)
         if plan is None:

@@ -4,6 +4,7 @@ import asyncio
 import math
 import time
 from dataclasses import dataclass, fields
+from functools import partial
 from typing import Annotated, Any, Self
 
 import structlog
@@ -19,9 +20,10 @@ from service.auth.session import Session
 from service.conductor.caller import Caller
 from service.conductor.conductor import Conductor, TheConductor
 from service.conductor.starting import goal_of_permit, start_move
+from service.conductor.taking import case_here
 from service.errors import ServiceError
 from service.motion.endings import Ending, Endings
-from service.motion.holder import lose_hold, session_over
+from service.motion.holder import check_holder, lose_hold, session_over
 from service.motion.status_bell import StatusBell
 from service.problem_json import problem_of
 
@@ -146,7 +148,8 @@ async def _start(held: _Hold) -> Ending | None:
         await asyncio.sleep(_LOOK_EVERY_S)
     try:
         await _sign_in_again(held)
-        await asyncio.to_thread(start_move, held.conductor, held.caller, held.permit_id)
+        check = partial(_check_holder, held)
+        await asyncio.to_thread(start_move, held.conductor, held.caller, held.permit_id, check)
     except ServiceError as error:
         live = held.conductor.live
         problem = problem_of(error).model_dump(mode="json")
@@ -157,6 +160,10 @@ async def _start(held: _Hold) -> Ending | None:
 async def _sign_in_again(held: _Hold) -> None:
     """ServiceError where the session was locked or ended since the socket was opened (H27)."""
     await current_session(await asyncio.to_thread(any_session, held.socket, held.conductor.parts, None))
+
+
+def _check_holder(held: _Hold) -> None:
+    check_holder(held.conductor.parts.sessions.look(bearer_or_cookie(held.socket) or ""))
 
 
 def _is_live(held: _Hold) -> bool:
@@ -190,8 +197,11 @@ def _progress(status: Status, base_from_goal: Transform) -> dict[str, Any]:
 def _goal(conductor: Conductor, caller: Caller, permit_id: str) -> Transform:
     """Where the motion goes; a permit that is not the case's own is refused by the rules, with every verdict.
 
-    So is a hand without control: its heartbeats would reach the guard before the start of the motion is refused (H15).
+    So is a hand without control, or on a case of another room: its heartbeats would reach the guard before the start of
+    the motion is refused, and take the place of those that it hears (H15, H19).
     """
+    with conductor.parts.database.read() as connection:
+        case_here(connection, conductor.rules, caller.case_id)
     permit = conductor.case_of(caller.case_id).permit
     if permit is None or permit.id != permit_id or not _has_control(conductor, caller):
         start_move(conductor, caller, permit_id)

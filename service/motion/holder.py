@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import structlog
 
-from service.auth.dependencies import current_session
+from service.auth.dependencies import active
 from service.auth.permissions import Permission, allows
 from service.auth.session import Session
 from service.auth.sessions import SessionStore
@@ -47,8 +47,9 @@ async def session_over(sessions: SessionStore, token: str) -> ServiceError:
                 return _unknown(unknown_s)
         else:
             known_at_s = time.monotonic()
-            refusal = await _refusal(session)
-            if refusal is not None:
+            try:
+                check_holder(session)
+            except ServiceError as refusal:
                 return refusal
         await asyncio.sleep(_ASK_EVERY_S)
 
@@ -85,16 +86,12 @@ async def _look(sessions: SessionStore, token: str) -> Session | None:
     return await asyncio.get_running_loop().run_in_executor(_asking, sessions.look, token)
 
 
-async def _refusal(session: Session | None) -> ServiceError | None:
+def check_holder(session: Session | None) -> None:
+    """ServiceError where whoever has this session may not hold the button."""
     if session is None:
-        return ServiceError(ErrorCode.NOT_SIGNED_IN, "the session of whoever holds was ended")
-    try:
-        await current_session(session)
-    except ServiceError as refusal:
-        return refusal
-    if allows(session.role, Permission.MOVE):
-        return None
-    return ServiceError(ErrorCode.PERMISSION_MISSING, f"the role {session.role} may not {Permission.MOVE}")
+        raise ServiceError(ErrorCode.NOT_SIGNED_IN, "the session of whoever holds was ended")
+    if not allows(active(session).role, Permission.MOVE):
+        raise ServiceError(ErrorCode.PERMISSION_MISSING, f"the role {session.role} may not {Permission.MOVE}")
 
 
 def _unknown(unknown_s: float) -> ServiceError:

@@ -104,8 +104,8 @@ def test_whoever_holds_the_button_is_told_that_no_guard_took_the_motion(bridge, 
     plan = SimpleNamespace(id="plan", content={"kind": "retreat"})
     monkeypatch.setattr(starting, "_plan_of", lambda *_: plan)
     monkeypatch.setattr(starting, "_move", lambda *_: SimpleNamespace(duration_s=1.0))
-    monkeypatch.setattr(starting, "devices_of", lambda *_: SimpleNamespace(tool=None))
-    standing = SimpleNamespace(connection=None, case=SimpleNamespace(case_id="case"))
+    devices = SimpleNamespace(tool=None)
+    standing = SimpleNamespace(connection=None, case=SimpleNamespace(case_id="case"), devices=devices)
 
     def perform(_caller: Any, _trigger: Any, prepare: Any) -> None:
         prepare(standing).then(None)

@@ -9,6 +9,7 @@ import pytest
 
 from service.auth.dependencies import COOKIE
 from service.auth.session import SessionStatus
+from service.cases import store
 from service.conductor.caller import Caller
 from service.errors import ErrorCode, ServiceError
 from service.motion import hold
@@ -28,8 +29,11 @@ def goal_of(monkeypatch: pytest.MonkeyPatch) -> Any:
     database = SimpleNamespace(read=lambda: nullcontext())
     case = SimpleNamespace(permit=SimpleNamespace(id="p"))
     conductor = SimpleNamespace(parts=SimpleNamespace(database=database), case_of=lambda _case_id: case)
+    conductor.rules = SimpleNamespace(room="room-1")
+    monkeypatch.setattr(store, "newest_event", lambda *_: None)
 
-    def ask(session_id: str, control_token: int | None, permit_id: str = "p") -> Any:
+    def ask(session_id: str, control_token: int | None, permit_id: str = "p", room: str = "room-1") -> Any:
+        monkeypatch.setattr(store, "read_case", lambda *_: SimpleNamespace(room=room))
         caller = Caller(SimpleNamespace(id=session_id), "case", None, None, control_token)
         return hold._goal(conductor, caller, permit_id)
 
@@ -51,6 +55,13 @@ def test_a_hand_without_control_is_refused_before_its_first_heartbeat(goal_of, s
 def test_another_permit_is_refused(goal_of) -> None:
     with pytest.raises(ServiceError):
         goal_of("holder", 2, "foreign")
+
+
+@pytest.mark.hazard("H19")
+def test_a_hand_on_a_case_of_another_room_is_refused_before_its_first_heartbeat(goal_of) -> None:
+    with pytest.raises(ServiceError) as caught:
+        goal_of("holder", 2, room="room-2")
+    assert caught.value.code == ErrorCode.CASE_ELSEWHERE
 
 
 @pytest.mark.hazard("H27")

@@ -15,7 +15,7 @@ from service.auth.users import UserStore
 from service.database import tables
 from service.database.engines import Database, open_database
 from tests.system.service_process import PASSWORD, PIN, Service
-from tests.system.walk import lifting
+from tests.system.walk import lift, lifting
 
 # The guard's limit of silence, which this must be no worse than, from the commit of whatever ends the session.
 _LIMIT_S = 0.2
@@ -102,6 +102,26 @@ def test_a_session_that_ends_amid_a_held_motion_ends_the_motion(
     assert (status["state"], status["held_for"]) == ("safe_hold", "session_over")
     fault = next(event for event in case.record() if event["trigger"] == "fault")
     assert fault["data"]["code"] == code
+
+
+@pytest.mark.hazard("H27")
+def test_a_session_that_ends_while_the_start_waits_for_the_record_starts_nothing(
+    case, held_case, holder, database, controller, until
+) -> None:
+    permit, newest = held_case.approve(lift(held_case, 20.0), PIN), controller.wire()[-1].number
+    with closing(open_database(database.writer.url.render_as_string(hide_password=False))) as other:
+        with other.write() as connection:
+            hold = held_case.hold(permit)
+            hold.__enter__()
+            until(lambda: hold.progress.get("held"))
+            time.sleep(0.3)  # the start of the motion waits behind this transaction
+            mine = tables.sessions.c.user_id == _user(holder)["user_id"]
+            connection.execute(sa.update(tables.sessions).where(mine).values(locked_at="2026-01-01T00:00:00Z"))
+        ended = hold.wait(5.0)
+        hold.__exit__(None, None, None)
+    assert (ended.cause, ended.problem["code"]) == ("refused", "session_locked")
+    assert case.status()["state"] == "case_open"
+    assert "script" not in {record.kind for record in controller.wire(newest)}
 
 
 @pytest.mark.hazard("H27")
