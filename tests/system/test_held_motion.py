@@ -252,3 +252,17 @@ def test_a_button_that_nobody_holds_starts_nothing(case, lift, controller) -> No
         time.sleep(1.0)
     assert np.array_equal(before, _joints(controller))
     assert "move_started" not in {event["trigger"] for event in case.record()}
+
+
+@pytest.mark.hazard("H14", "H15")
+def test_a_duplicated_tab_that_holds_the_same_permit_starts_no_second_motion(case, lift, controller, until) -> None:
+    """Both tabs press: one motion at most, and once either lets go it ends, whatever the other does."""
+    permit, newest = case.approve(lift(60.0), PIN), controller.wire()[-1].number
+    with case.hold(permit) as first, case.hold(permit) as second:
+        until(lambda: controller.state().tcp_speed_mm_s > 10.0 or first.is_over or second.is_over)
+        (first if second.is_over else second).release()
+        _comes_to_rest(controller, until)
+    assert len([record for record in controller.wire(newest) if record.command == 3]) <= 1
+    assert case.wait_for("safe_hold", "case_open")["chain"]["permit"] is None
+    if case.status()["state"] == "safe_hold":
+        case.command("acknowledged", guide="empty")
