@@ -113,8 +113,9 @@ interlock-removal: $(VENV)/.test  ## take each interlock out in turn and say whi
 check-removal: $(VENV)/.test  ## the same with each check of the guard: CHECKS="robot.guard.preflight:24"
 	$(BIN)/python -m benchmarks.check_removal $(if $(CHECKS),--checks $(CHECKS))
 
-mutation: $(VENV)/.test  ## change each part of the rules and of the guard in turn: does a test notice? and docs/mutation.md; goes on where it ended; results kept in FOLDER
-	$(BIN)/python -m benchmarks.mutation --folder $(or $(FOLDER),$(RESULTS)/mutation) --page docs/mutation.md
+mutation: $(VENV)/.test  ## change each part of the rules and of the guard in turn: does a test notice? and docs/mutation.md; goes on where it ended; no longer than MINUTES (0: the page alone); results in docs/mutation.json, every trial in FOLDER
+	$(BIN)/python -m benchmarks.mutation $(if $(MINUTES),--minutes $(MINUTES)) --folder $(or $(FOLDER),$(RESULTS)/mutation) \
+	  --page docs/mutation.md
 
 audit-bench: $(VENV)/.runtime  ## how fast the ledger is written, verified (COUNT=20000 entries) and read (PAGES=1000000)
 	$(BIN)/python benchmarks/audit.py --count $(or $(COUNT),20000) --pages $(or $(PAGES),1000000)

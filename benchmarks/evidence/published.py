@@ -15,6 +15,7 @@ from typing import Any
 from scipy.stats import binomtest
 
 from benchmarks.evidence.item import Trial
+from service.whole_file import whole_file
 
 _EARLIER = 3  # states of each item that are told beside today's
 _NO_SUM = (0, 0.0)
@@ -104,12 +105,11 @@ def read(path: Path) -> dict[str, tuple[State, ...]]:
 
 
 def write(path: Path, items: Mapping[str, Sequence[State]]) -> None:
-    """A line for each state of which anything is done; never half a file."""
+    """A line for each state of which anything is done."""
     told = {name: [state for state in states if state.done] for name, states in items.items()}
     parts = (f' "{name}": [\n  ' + ",\n  ".join(map(_line, states)) + "\n ]" for name, states in told.items() if states)
-    new = path.with_suffix(".new")
-    new.write_text("{\n" + ",\n".join(parts) + "\n}\n")
-    new.replace(path)
+    with whole_file(path) as new:
+        new.write_text("{\n" + ",\n".join(parts) + "\n}\n")
 
 
 def _state(fields: dict[str, Any]) -> State:

@@ -17,10 +17,12 @@ from enum import StrEnum
 from pathlib import Path
 
 PROCESSOR_S = 60  # several times what all tests of a package take
+_ELAPSED = 5  # times as much by the clock: of one that neither works nor sleeps for long
 _MEMORY_BYTES = 8 << 30
 _LOOK_S = 1.0
 _told_to = -1  # of this fork: the pipe to its parent
 _ASLEEP_S = 8.0  # no thread of it runs or wants to: it waits for what never comes
+_IDLE = 0.02  # of a processor, for looking again and again whether it has come
 
 
 class Status(StrEnum):
@@ -60,7 +62,7 @@ def forked(run: Callable[[], Outcome], processor_s: int = PROCESSOR_S) -> Outcom
     if child == 0:
         _be_child(run, writing, processor_s)
     os.close(writing)
-    told = _wait(child, reading)
+    told = _wait(child, reading, _ELAPSED * processor_s)
     os.close(reading)
     if "error" in told:
         raise HarnessError(told["error"])
@@ -81,6 +83,7 @@ def _be_child(run: Callable[[], Outcome], writing: int, processor_s: int) -> Non
     global _told_to
     _told_to = writing
     os.setsid()
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     resource.setrlimit(resource.RLIMIT_CPU, (processor_s, processor_s))
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY_BYTES, _MEMORY_BYTES))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -92,37 +95,45 @@ def _be_child(run: Callable[[], Outcome], writing: int, processor_s: int) -> Non
     os._exit(1)
 
 
-def _wait(child: int, reading: int) -> dict[str, str]:
-    """What the child tells; a child that ends without a word, or falls asleep for good, is endless or killed."""
-    for asleep in _looks(child):
-        ready, _, _ = select.select([reading], [], [], _LOOK_S)
-        if ready or asleep:
-            break
-    told = os.read(reading, 65536) if ready else b""
-    with suppress(ProcessLookupError):
-        os.killpg(child, signal.SIGKILL)
-    _, status = os.waitpid(child, 0)
+def _wait(child: int, reading: int, elapsed_s: float) -> dict[str, str]:
+    """What the child tells; one that ends without a word was killed, one that sleeps or goes on for long is endless."""
+    try:
+        for over in _looks(child, elapsed_s):
+            ready, _, _ = select.select([reading], [], [], _LOOK_S)
+            if ready or over:
+                break
+        told = os.read(reading, 65536) if ready else b""
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(child, signal.SIGKILL)
+        _, status = os.waitpid(child, 0)
     if told:
         return dict(json.loads(told))
     endless = not ready or (os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU)
     return {"status": Status.ENDLESS if endless else Status.KILLED, "by": "" if endless else "the process ended"}
 
 
-def _looks(child: int) -> Iterator[bool]:
-    """Whether all of the child has been asleep for long, again and again."""
-    before, since_s = "", time.monotonic()
+def _looks(child: int, elapsed_s: float) -> Iterator[bool]:
+    """Whether all of the child has been idle for long, or its time is over, again and again."""
+    began_s = since_s = time.monotonic()
+    before_s = 0.0
     while True:
-        now = _activity(child)
-        if now != before or " R " in now:
-            before, since_s = now, time.monotonic()
-        yield time.monotonic() - since_s > _ASLEEP_S
+        spent_s, running = _activity(child)
+        if running or spent_s - before_s > _IDLE * _ASLEEP_S:
+            before_s, since_s = spent_s, time.monotonic()
+        yield time.monotonic() - since_s > _ASLEEP_S or time.monotonic() - began_s > elapsed_s
 
 
-def _activity(process: int) -> str:
-    """State and processor time of each of its threads; threads come and go meanwhile."""
-    told = []
+def _activity(process: int) -> tuple[float, bool]:
+    """Processor time of all its threads, and whether one of them runs or wants to; threads come and go meanwhile."""
+    running = False
     for thread in Path(f"/proc/{process}/task").iterdir():
         with suppress(FileNotFoundError, ProcessLookupError):
-            fields = (thread / "stat").read_text().rpartition(")")[2].split()
-            told.append(f" {fields[0]} {thread.name} {fields[11]} {fields[12]}")
-    return "".join(told)
+            running |= _fields(thread)[0] == "R"
+    user, system = _fields(Path(f"/proc/{process}"))[11:13]
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK"), running
+
+
+def _fields(place: Path) -> list[str]:
+    """Of its status, those behind the name: the state first."""
+    return (place / "stat").read_text().rpartition(")")[2].split()

@@ -1,6 +1,7 @@
 """What is changed, and which tests should notice."""
 
 from dataclasses import dataclass
+from functools import cache
 from hashlib import sha256
 
 from benchmarks.mutation.mutants import ROOT, source_of
@@ -56,8 +57,9 @@ PACKAGES = {
 }
 
 
+@cache
 def digest_of_module(module: str) -> str:
-    """Another one where its text is another."""
+    """Another one where its text is another; that of a module which changes amid a run stays what it was."""
     return sha256(source_of(module).read_bytes()).hexdigest()[:12]
 
 

@@ -1,4 +1,4 @@
-"""The page of the changes that tests notice, made from the kept results."""
+"""The page of the changes that tests notice, made from the published results."""
 
 from collections.abc import Sequence
 
@@ -7,10 +7,10 @@ from benchmarks.mutation.scores import Score, reasons
 
 _HEAD = """# Do the tests notice?
 
-Made by `make mutation` from its results; written by no hand. Each part of the rules and of the guard is changed by
-itself: a comparison, a constant, an operator, a condition, a returned value, an exception that is raised or caught, a
-statement or an entry of a table left out. A change is found if a test fails, or never ends. Prose, annotations and
-constant subscripts stay as they are.
+Made by `make mutation` from its [results](mutation.json), which go with the code; written by no hand. Each part of the
+rules and of the guard is changed by itself: a comparison, a constant, an operator, a condition, a returned value, an
+exception that is raised or caught, a statement or an entry of a table left out. A change is found if a test fails, or
+never ends. Prose, annotations and constant subscripts stay as they are.
 
 Tried are the tests of the package that reach the changed line and keep no real time; what only the simulated room, the
 fault matrix or the whole service would find counts as missed. For the rules the search of every reachable case and the

@@ -106,5 +106,5 @@ class PatientHypothesis:
         """After the tests' own profile is loaded."""
         from hypothesis import HealthCheck, settings  # not before pytest has rewritten its plugin
 
-        settings.register_profile("patient", settings(), suppress_health_check=list(HealthCheck))
+        settings.register_profile("patient", settings(), suppress_health_check=list(HealthCheck), deadline=None)
         settings.load_profile("patient")

@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 from collections.abc import Iterator, Sequence
 from functools import partial
 
@@ -97,12 +98,15 @@ def _tried_in_place(package: Package, mutants: Sequence[Mutant], reach: Reach) -
         os._exit(0)
     os.close(writing)
     left = len(mutants)
-    with os.fdopen(reading) as lines:
-        for line in lines:
-            number, status, by = json.loads(line)
-            left -= 1
-            yield mutants[number], Outcome(Status(status), by)
-    os.waitpid(child, 0)
+    try:
+        with os.fdopen(reading) as lines:
+            for line in lines:
+                number, status, by = json.loads(line)
+                left -= 1
+                yield mutants[number], Outcome(Status(status), by)
+    finally:
+        os.kill(child, signal.SIGTERM)  # it may have mutants left, where nobody asks for more
+        os.waitpid(child, 0)
     if left:
         raise HarnessError(f"the process that forks ended with {left} of {len(mutants)} mutants left")
 
