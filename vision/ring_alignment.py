@@ -87,6 +87,8 @@ def _step(around: Array) -> Array:
     gradient = (jacobian.swapaxes(1, 2) @ here[:, :, None])[:, :, 0]
     normal = jacobian.swapaxes(1, 2) @ jacobian
     sound = np.isfinite(normal).all(axis=(1, 2)) & np.isfinite(gradient).all(axis=1)
+    normal[~sound] = np.eye(len(_SCALES))
+    sound &= np.linalg.slogdet(normal)[0] > 0.0  # views that run away may lose a direction altogether
     normal[~sound], gradient[~sound] = np.eye(len(_SCALES)), np.nan
     return np.asarray(-np.linalg.solve(normal, gradient[:, :, None])[:, :, 0])
 

@@ -9,7 +9,7 @@ from random import Random
 from tempfile import TemporaryDirectory
 
 from benchmarks.evidence.item import Trial
-from benchmarks.evidence.power_loss import look
+from benchmarks.evidence.power_loss import Onlooker
 from benchmarks.evidence.whole_case import RECORDED, settings_of
 from service.database import tables
 
@@ -23,11 +23,11 @@ def flips(inputs: Path, numbers: Sequence[int]) -> Iterator[Trial]:
         victim = Path(place) / "data"
         shutil.copytree(recorded, victim)
         content = _file(recorded).read_bytes()
-        rows = _rows(_file(recorded))
+        rows, onlooker = _rows(_file(recorded)), Onlooker(victim)
         for number in numbers:
             bit = Random(number).randrange(len(content) * 8)
             _lay(_file(victim), content, bit)
-            found = look(victim)[1]
+            found = onlooker.look()[1]
             unseen = not found and _rows(_file(victim)) != rows
             yield {"number": number, "kind": "found" if found else "no record changed", "bad": unseen, "bit": bit}
 

@@ -60,6 +60,14 @@ class Database:
         with _typed_faults(), self.reader.begin() as connection:
             yield connection
 
+    def prove(self) -> None:
+        """Connect once, so that what is wrong with the database is told now; ServiceError."""
+        try:
+            with _typed_faults(), self.writer.connect():
+                return
+        except UnicodeDecodeError as error:  # SQLite's message quotes text of a damaged schema
+            raise ServiceError(ErrorCode.DATABASE_FAULT, "the database file is damaged") from error
+
     def _empty_log(self) -> None:
         """Copy what is in the write-ahead log into the file; writers go on meanwhile.
 
@@ -82,11 +90,8 @@ def open_database(url: str, signer: Signer | None = None) -> Database:
     else:
         address = address.set(drivername="postgresql+psycopg")
         database = Database(_postgresql_engine(address, writes=True), _postgresql_engine(address, writes=False), signer)
-    try:
-        with _typed_faults(), database.writer.connect():
-            return database
-    except UnicodeDecodeError as error:  # SQLite's message quotes text of a damaged schema
-        raise ServiceError(ErrorCode.DATABASE_FAULT, "the database file is damaged") from error
+    database.prove()
+    return database
 
 
 def _sqlite_engine(address: sa.URL, *, writes: bool) -> Engine:

@@ -44,7 +44,9 @@ def test_a_view_that_is_off_by_some_millimetres_is_laid_onto_its_ellipses(
     assert laid.view.source_from_guide[:3, 3] == pytest.approx(true.source_from_guide[:3, 3], abs=0.5)
 
 
-@pytest.mark.parametrize("away_mm", [(0.0, 0.0, -750.0), (0.0, 0.0, -690.0), (math.nan, 0.0, 0.0), (1e300, 0.0, 0.0)])
+@pytest.mark.parametrize(
+    "away_mm", [(0.0, 0.0, -750.0), (0.0, 0.0, -690.0), (math.nan, 0.0, 0.0), (1e300, 0.0, 0.0), (0.0, 0.0, 1e25)]
+)
 def test_a_pair_that_runs_away_is_left_out_and_leaves_the_others_alone(
     away_mm: tuple[float, float, float], make_view: Callable[..., View], guide: Guide, priors: Priors
 ) -> None:
