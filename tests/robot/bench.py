@@ -15,6 +15,7 @@ from robot.guard.client import GuardClient, GuardConfig
 from robot.guard.messages import BeginMove, Event, Heartbeat, MotionEnded, MoveRefused, Status
 from robot.refusal import RefusalCode
 from simulator.controller import ControllerProcess
+from tests.waiting import until
 
 Told = TypeVar("Told")
 
@@ -113,10 +114,7 @@ class Bench:
         return sum(isinstance(event, kind) for event in self.events)
 
     def until(self, condition: Callable[[], bool], within_s: float) -> None:
-        deadline_s = time.monotonic() + within_s
-        while not condition():
-            assert time.monotonic() < deadline_s, [getattr(event, "cause", event) for event in self.events]
-            time.sleep(0.01)
+        until(condition, within_s, lambda: [getattr(event, "cause", event) for event in self.events])
 
     def first_stop_after(self, at_s: float) -> float:
         """Seconds until the first stop reached the controller, by dashboard or register."""

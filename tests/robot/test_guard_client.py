@@ -30,6 +30,7 @@ from robot.guard.messages import (
     Status,
     Stop,
 )
+from tests.waiting import until
 
 PATIENCE_S = 20.0
 RESTART_AFTER_S = 0.02
@@ -130,13 +131,6 @@ def client(world: World, tmp_path: Path) -> Iterator[GuardClient]:
     yield client
     client.close()
     assert not any(thread.name == "guard" for thread in threading.enumerate())
-
-
-def until(condition: Callable[[], bool]) -> None:
-    deadline_s = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline_s
-        time.sleep(0.002)
 
 
 def test_events_are_passed_on_and_the_newest_status_is_kept(world: World, client: GuardClient, tmp_path: Path) -> None:

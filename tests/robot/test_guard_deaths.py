@@ -6,7 +6,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -15,6 +15,7 @@ from robot.guard.child import GuardChild
 from robot.guard.journal import EVENTS_FILE, read_lines
 from robot.guard.messages import Fault, FaultKind, Phase
 from simulator.controller import ControllerProcess, free_loopback_address
+from tests.waiting import until
 
 pytestmark = pytest.mark.real_time
 
@@ -42,13 +43,6 @@ class HoldingParent:
         self.process.send_signal(signal.SIGCONT)
         self.process.wait(15.0)
         until(lambda: not is_alive(self.guard_id), 10.0)
-
-
-def until(condition: Callable[[], bool], within_s: float) -> None:
-    deadline_s = time.monotonic() + within_s
-    while not condition():
-        assert time.monotonic() < deadline_s
-        time.sleep(0.01)
 
 
 def is_alive(process_id: int) -> bool:

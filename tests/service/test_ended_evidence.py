@@ -13,7 +13,7 @@ from benchmarks.evidence import inputs, runs
 from benchmarks.evidence.item import Item
 from benchmarks.evidence.published import read
 from benchmarks.kept import kept_lines
-from tests.system.walk import until
+from tests.waiting import until
 
 
 def _without_end(folder, numbers):

@@ -4,7 +4,6 @@ import json
 import select
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 import pytest
 
 from simulator.controller import ControllerProcess, ControllerSettings, free_loopback_address
+from tests.waiting import until
 
 
 class UrRtdeClient:
@@ -101,10 +101,5 @@ def start_client() -> Iterator[Callable[..., UrRtdeClient]]:
 
 @pytest.fixture
 def wait_until() -> Callable[..., None]:
-    def wait(condition: Callable[[], bool], timeout_s: float = 10.0) -> None:
-        deadline_s = time.monotonic() + timeout_s
-        while not condition():
-            assert time.monotonic() < deadline_s, "what was waited for did not happen"
-            time.sleep(0.01)
-
-    return wait
+    """Wait for a condition, 10 s if not told otherwise."""
+    return lambda condition, within_s=10.0: until(condition, within_s)

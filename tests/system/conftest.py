@@ -16,7 +16,8 @@ from simulator.controller import ControllerProcess, ControllerSettings, Payload,
 from tests.databases import Databases
 from tests.system.carm import CArm
 from tests.system.service_process import PASSWORD, PIN, Service
-from tests.system.walk import Walk, lift, until
+from tests.system.walk import Walk, lift
+from tests.waiting import until
 
 _DEVICES = Path(__file__).parents[1] / "devices"
 # The guide straight ahead of the flange, where the controller's installation has it.

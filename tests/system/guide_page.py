@@ -10,7 +10,7 @@ from PIL import Image
 
 from coaxial_client import Coaxial, Refused
 from tests.certificates import make_certificate
-from tests.system.walk import until
+from tests.waiting import until
 
 _PAGE = Path(__file__).parents[2] / "docs" / "python-client.md"
 _LOST_LINKS = ("heartbeat_lost", "feedback_lost")

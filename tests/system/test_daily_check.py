@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.system.conftest import upload_devices
 from tests.system.service_process import PASSWORD
-from tests.system.walk import until
+from tests.waiting import until
 
 _COMMAND = [sys.executable, "-c", "from service.cli.daily_check import daily_check; daily_check()"]
 # A beam that leans looks in one image much like one that is off centre: 15 px of the file's tolerance are 0.3 deg.

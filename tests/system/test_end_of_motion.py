@@ -13,7 +13,7 @@ import pytest
 from coaxial_client import Case, Refused
 from service.database.engines import open_database
 from tests.system.service_process import PIN, Service
-from tests.system.walk import until
+from tests.waiting import until
 
 _HELD_UP_S = 1.0
 _MOVE_LINEAR = 3

@@ -8,7 +8,7 @@ from simulator.carm.guide import ALL_PARTS, GuideShape, Part
 from tests.system.carm import CArm
 from tests.system.conftest import CASE, DEVICES, prepare
 from tests.system.service_process import PIN
-from tests.system.walk import until
+from tests.waiting import until
 
 _REFERENCE = DEVICES["guide"]
 _BARE = _REFERENCE[: _REFERENCE.index(b"[bead]")] + _REFERENCE[_REFERENCE.index(b"[tolerance]") :]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.system.walk import until
+from tests.waiting import until
 
 pytestmark = pytest.mark.timeout(300)
 

@@ -1,7 +1,6 @@
 """The way of a case through the procedure, the C-arm seeing the guide where the motions bring it."""
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
@@ -12,6 +11,7 @@ from coaxial_client import Case, Hold
 from simulator.controller import ControllerProcess
 from tests.system.carm import CArm
 from tests.system.service_process import PIN
+from tests.waiting import until
 
 
 def tilted_guide() -> np.ndarray:
@@ -122,14 +122,6 @@ def _shifted(mm: float) -> np.ndarray:
     shift = np.eye(4)
     shift[0, 3] = mm
     return shift
-
-
-def until(condition: Callable[[], object], within_s: float = 20.0) -> None:
-    """Wait for a condition."""
-    end_s = time.monotonic() + within_s
-    while not condition():
-        assert time.monotonic() < end_s, "it did not come to that"
-        time.sleep(0.02)
 
 
 def lift(case: Case, mm: float = 40.0) -> dict:

@@ -13,6 +13,7 @@ from coaxial_client import Case
 from simulator.demo.stage import Stage
 from tests.tablet.cable import Cable, cable_to
 from tests.tablet.tablet import Tablet
+from tests.waiting import until
 
 pytestmark = pytest.mark.lengthy
 
@@ -20,7 +21,6 @@ _WAY_MM = 130.0  # from its middle on still three seconds of motion
 _SHORT_MM = 5.0  # an arm that stops so far from its goal was stopped
 _STANDS_S = 0.5
 _TRIES = 5
-_PATIENCE_S = 20.0
 _STUCK_MS = 1500
 _READ = "() => import('/js/case/live.js').then(live => live.readStatus())"
 _PLAN = "goal => import('/js/move/motion.js').then(move => move.plan('approach', {base_from_goal: goal}))"
@@ -67,7 +67,7 @@ def _set_out(tablet: Tablet, stage: Stage, case: Case, ends) -> np.ndarray:
         if not _approve(tablet, goal, stage.people["surgeon"].pin):
             continue
         tablet.hand.put_down([tablet.hand.middle_of(tablet.page.locator(".hold"))])
-        _until(lambda: _arm(stage)["moving"] or ended.is_visible())
+        until(lambda: _arm(stage)["moving"] or ended.is_visible())
         if not ended.is_visible():
             return goal[:3, 3]
         tablet.hand.lift()
@@ -95,13 +95,6 @@ def _arm(stage: Stage) -> dict[str, object]:
     """The arm as the room sees it, not as the service says."""
     told: dict[str, object] = httpx.get(f"{stage.door.url}/arm", trust_env=False).raise_for_status().json()
     return told
-
-
-def _until(condition: Callable[[], object]) -> None:
-    end_s = time.monotonic() + _PATIENCE_S
-    while not condition():
-        assert time.monotonic() < end_s, "it did not come to that"
-        time.sleep(0.02)
 
 
 def _say(event: str, target: str = "window") -> Callable[[Held], None]:
@@ -171,9 +164,9 @@ WAYS: dict[str, tuple[Callable[[Held], object], str]] = {
 def test_the_arm_stops(held, stage, case, way):
     lose, words = WAYS[way]
     lose(held)
-    _until(lambda: not _arm(stage)["moving"])
+    until(lambda: not _arm(stage)["moving"])
     joints_deg = _arm(stage)["joints_deg"]
-    _until(lambda: case.status()["state"] in ("case_open", "safe_hold"))
+    until(lambda: case.status()["state"] in ("case_open", "safe_hold"))
     time.sleep(_STANDS_S)
     assert _arm(stage)["joints_deg"] == joints_deg
     stands_mm = np.array(case.status()["arm"]["base_from_tcp"])[:3, 3]

@@ -2,7 +2,6 @@
 
 import json
 import subprocess
-import time
 from contextlib import closing, contextmanager
 from io import BytesIO
 
@@ -21,8 +20,10 @@ from service.ledger.draft import describe
 from service.pacs import outbox
 from service.pacs.delivering import send_waiting
 from service.settings import DicomSettings, HttpSettings, PeerSettings, Settings
+from tests.waiting import until
 
 _CASE = "case-1"
+_PATIENCE_S = 150.0
 
 
 @pytest.fixture
@@ -83,23 +84,16 @@ def _sent(service) -> list[dict]:
         return client.get(f"/cases/{_CASE}/sent").json()
 
 
-def _until(condition, seconds: float = 150.0) -> None:
-    give_up = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < give_up
-        time.sleep(0.1)
-
-
 @pytest.mark.timeout(360)
 def test_what_an_archive_that_was_down_missed_reaches_it_after_a_restart(
     left_behind, serving, archive, free_ports, tmp_path
 ):
     dicom_port, http_port = free_ports(2)
     with serving(_settings(tmp_path, left_behind, dicom_port)) as service:
-        _until(lambda: len(_sent(service)) == 4)
+        until(lambda: len(_sent(service)) == 4, _PATIENCE_S)
         assert not any(one["delivered"] for one in _sent(service))
     with archive(dicom_port, http_port) as peer, serving(_settings(tmp_path, left_behind, dicom_port)) as service:
-        _until(lambda: all(one["delivered"] for one in _sent(service)))
+        until(lambda: all(one["delivered"] for one in _sent(service)), _PATIENCE_S)
         assert {one["answer"] for one in _sent(service)} == {"status 0x0000"}
         send_waiting(service.parts)
         with service.client(Role.OPERATOR) as client:
