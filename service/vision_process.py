@@ -6,6 +6,8 @@ import signal
 from multiprocessing.connection import Connection
 from typing import Any
 
+from service.structured_log import configure_log, exception_places
+
 # Behind the service, so that a busy image never delays a heartbeat or a stop (H32), and not far behind: with 10 a
 # registration took 1.7 s beside as many busy processes as cores (`make bench-service`).
 _NICENESS = 2
@@ -17,6 +19,7 @@ OK, OUT_OF_MEMORY, FAILED = "ok", "out_of_memory", "failed"
 def serve_jobs(pipe: Connection, memory_bytes: int, jobs_module: str) -> None:
     """Import `jobs_module` (it has JOBS), say so, then work until the pipe closes; the parent's death closes it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the service's to handle
+    configure_log()
     os.nice(_NICENESS)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -39,4 +42,4 @@ def _work(job: Any, arguments: tuple[Any, ...]) -> tuple[str, Any]:
     except Exception as error:  # noqa: BLE001  the parent turns it into a typed fault; the process goes on
         if getattr(error, "code", None) == _OPENCV_NO_MEMORY:
             return OUT_OF_MEMORY, None
-        return FAILED, f"{type(error).__name__}: {error}"
+        return FAILED, exception_places(error)

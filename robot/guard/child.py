@@ -5,10 +5,13 @@ import select
 import subprocess
 import sys
 from pathlib import Path
-from threading import Lock
+from threading import Lock, Thread
 from typing import BinaryIO, cast
 
+import structlog
+
 _END_S = 4.0  # a guard that stops a moving arm waits for its rest
+_log = structlog.get_logger()
 
 
 class GuardChild:
@@ -19,9 +22,23 @@ class GuardChild:
 
     def __init__(self, arm_address: str, journal_folder: Path) -> None:
         command = [sys.executable, "-m", "robot.guard", "--arm", arm_address, "--journal", str(journal_folder)]
-        self._process = subprocess.Popen(  # noqa: S603  # our own module, no shell
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0, start_new_session=True
-        )
+        said, saying = os.pipe()
+        os.set_blocking(saying, False)  # what nobody takes is lost: a guard must never wait to be heard (H17)
+        try:
+            self._process = subprocess.Popen(  # noqa: S603  # our own module, no shell
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=saying,
+                bufsize=0,
+                start_new_session=True,
+            )
+        except OSError:
+            os.close(said)
+            raise
+        finally:
+            os.close(saying)
+        Thread(target=_log_what_is_said, args=(said, self.pid), name="guard's words", daemon=True).start()
         self._commands = cast(BinaryIO, self._process.stdin)
         self._events = cast(BinaryIO, self._process.stdout)
         self._arriving = select.poll()  # `select` counts descriptors to 1024 only: a service of many screens has more
@@ -67,3 +84,13 @@ class GuardChild:
             self._process.wait()
         self.dismiss()
         self._events.close()
+
+
+def _log_what_is_said(said: int, pid: int) -> None:
+    """Log each line that the arm's library or a fault prints, until the guard's end; it knows of no patient."""
+    rest = b""
+    while part := os.read(said, 4096):
+        *lines, rest = (rest + part).split(b"\n")
+        for line in filter(bytes.strip, lines):
+            _log.warning("guard_said", pid=pid, said=line.decode(errors="replace").strip())
+    os.close(said)

@@ -294,6 +294,22 @@ def test_a_process_is_heard_however_many_descriptors_its_parent_has_open(many_de
     assert lines_of(echo, 1) == [b"one"]
 
 
+def test_what_a_process_prints_is_logged_line_by_line(spawned, monkeypatch: pytest.MonkeyPatch) -> None:
+    logged: SimpleQueue[dict[str, object]] = SimpleQueue()
+    log = SimpleNamespace(warning=lambda event, **more: logged.put({"event": event, **more}))
+    monkeypatch.setattr("robot.guard.child._log", log)
+    child = spawned("printf 'lost the \\n\\nconnection\\n' >&2; exec cat")
+    for said in ("lost the", "connection"):
+        assert logged.get(timeout=PATIENCE_S) == {"event": "guard_said", "pid": child.pid, "said": said}
+
+
+@pytest.mark.hazard("H17")
+def test_a_process_never_waits_for_its_prints_to_be_taken(spawned, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robot.guard.child._log_what_is_said", lambda *_: None)
+    child = spawned("head -c 2000000 /dev/zero >&2; echo on")  # more than a pipe holds
+    assert lines_of(child, 1) == [b"on"]
+
+
 def test_a_process_that_does_not_read_takes_no_more_than_fits(echo: GuardChild) -> None:
     os.kill(echo.pid, signal.SIGSTOP)
     taken = [echo.send(b"x" * 4095 + b"\n") for _ in range(400)]  # more than two pipes and a buffer hold

@@ -1,48 +1,97 @@
-"""What a served process writes to stderr is one JSON object a line, whoever wrote it, and names no patient."""
+"""The log of a served process: every line a JSON object, whoever says it, and no word that may quote a patient."""
 
 import json
 import subprocess
 import sys
-from typing import Any
 
-_WRITE = """
-import logging, warnings
-import pydicom, structlog
-from pydicom.dataelem import DataElement
-from service.structured_log import configure_log
-configure_log()
-structlog.get_logger().info("served", port=8443)
-logging.getLogger("uvicorn.error").info("not told")
-logging.getLogger("pynetdicom.assoc").warning("Association from %s", "CARM", extra={"patient": "DOE^JANE"})
-try:
-    raise ValueError("bad value 'DOE^JANE'")
-except ValueError:
-    logging.getLogger("uvicorn.error").exception("Exception in ASGI application\\n")
-warnings.warn("an old function")
-DataElement("PatientBirthDate", "DA", "DOE^JANE", validation_mode=pydicom.config.WARN)
+import pytest
+
+from service.settings import VisionSettings
+from service.vision_worker import VisionWorker
+
+_CONFIGURED = "import logging, threading, warnings\nfrom service.structured_log import configure_log\nconfigure_log()\n"
+_PATIENT = "Doe^Jane"
+_FAILING = f"""
+def fail():
+    try: raise ValueError("no number: {_PATIENT}")
+    except ValueError as error: raise RuntimeError("{_PATIENT}") from error
 """
 
 
-def written() -> tuple[str, list[dict[str, Any]]]:
-    """Of a process of its own: a log is configured once."""
-    told = subprocess.run([sys.executable, "-c", _WRITE], capture_output=True, text=True, timeout=60, check=True)
-    return told.stderr, [json.loads(line) for line in told.stderr.splitlines()]
+def _logged(code: str) -> list[dict]:
+    ended = subprocess.run([sys.executable, "-c", _CONFIGURED + code], capture_output=True, text=True, timeout=60)
+    assert _PATIENT not in ended.stderr
+    return [json.loads(line) for line in ended.stderr.splitlines()]
 
 
-def test_every_line_is_an_object_with_its_time_and_level() -> None:
-    _, lines = written()
-    assert [line["event"].split(":")[0].strip() for line in lines][:3] == [
-        "served",
-        "Association from CARM",
-        "Exception in ASGI application",
-    ]
-    assert len(lines) == 4  # and the warning
-    assert all({"timestamp", "level", "event"} <= line.keys() for line in lines)
-    assert [line.get("logger") for line in lines[1:]] == ["pynetdicom.assoc", "uvicorn.error", "py.warnings"]
+def test_the_web_servers_and_the_migrations_words_are_quoted():
+    (web, schema) = _logged(
+        "logging.getLogger('uvicorn.error').error('address %s\\n', 'in use')\n"
+        "logging.getLogger('alembic.runtime').warning('one branch')"
+    )
+    assert (web["event"], web["logger"], web["level"], web["said"]) == (
+        "library_said",
+        "uvicorn.error",
+        "error",
+        "address in use",
+    )
+    assert web["timestamp"] < schema["timestamp"]
+    assert schema["said"] == "one branch"
 
 
-def test_a_librarys_exception_is_told_by_kind_and_place_alone() -> None:
-    text, lines = written()
-    assert "DOE" not in text.replace(lines[2]["exception"], "")
-    assert lines[2]["exception"].endswith("ValueError")
-    assert 'File "<string>", line' in lines[2]["exception"]
+@pytest.mark.hazard("H27")
+@pytest.mark.parametrize("library", ["pynetdicom.acse", "pydicom", "asyncio", "sqlalchemy.pool", "any"])
+def test_of_every_other_library_only_where_it_said_something(library):
+    failing = f"try: fail()\nexcept RuntimeError as error: log.exception(error)\nlog.warning('%s', '{_PATIENT}')"
+    failed, warned = _logged(f"{_FAILING}\nlog = logging.getLogger({library!r})\nlog.info('nothing')\n{failing}")
+    assert (failed["logger"], failed["level"]) == (library, "error")
+    assert [cause.split(" < ")[0] for cause in failed["exception"]] == ["RuntimeError", "ValueError"]
+    assert "<string>:" in failed["exception"][0]
+    assert warned["where"].startswith("<string>:")
+    assert "said" not in warned
+
+
+@pytest.mark.hazard("H27")
+@pytest.mark.parametrize(
+    ("how", "event"),
+    [
+        (f"warnings.warn('{_PATIENT}')", "python_warning"),
+        ("fail()", "uncaught"),
+        ("one = threading.Thread(target=fail); one.start(); one.join()", "uncaught"),
+        ("class Held:\n    def __del__(self): fail()\nHeld()", "uncaught"),
+        ("import structlog\ntry: fail()\nexcept RuntimeError: structlog.get_logger().exception('failed')", "failed"),
+    ],
+)
+def test_what_nobody_caught_is_a_line_of_the_log(how, event):
+    (line,) = _logged(_FAILING + how)
+    assert line["event"] == event
+    assert line["level"] in ("warning", "error", "critical")
+
+
+@pytest.mark.hazard("H27")
+def test_a_header_that_pydicom_dislikes_is_not_quoted():
+    lines = _logged(
+        "import pydicom\nfrom pydicom.dataelem import DataElement\n"
+        f"DataElement('PatientBirthDate', 'DA', '{_PATIENT}', validation_mode=pydicom.config.WARN)"
+    )
+    assert {line["event"] for line in lines} == {"python_warning", "library_said"}
+
+
+def test_an_event_of_the_service_has_its_time_level_and_ids():
+    (line,) = _logged("import structlog\nstructlog.get_logger().info('served', port=8443)")
+    assert (line["event"], line["level"], line["port"]) == ("served", "info", 8443)
+    assert "timestamp" in line
+
+
+@pytest.mark.hazard("H27")
+def test_the_image_worker_logs_in_the_same_form(tmp_path, monkeypatch, capfd):
+    jobs = f"import warnings\ndef warn(): warnings.warn('{_PATIENT}'); return {{}}\nJOBS = {{'warn': warn}}\n"
+    (tmp_path / "warning_jobs.py").write_text(jobs)
+    monkeypatch.syspath_prepend(tmp_path)
+    worker = VisionWorker(VisionSettings(), "warning_jobs")
+    try:
+        worker._timed("warn", ())
+    finally:
+        worker._end()
+    (line,) = capfd.readouterr().err.splitlines()
+    assert json.loads(line)["event"] == "python_warning"
