@@ -34,7 +34,7 @@ def add(
     """Add a user; password and PIN from COAXIAL_PASSWORD and COAXIAL_PIN, else two lines of stdin, else asked for."""
     password = _secret("COAXIAL_PASSWORD", "Password")
     pin = _secret("COAXIAL_PIN", "PIN")
-    with _user_store(config, data_folder) as store:
+    with _user_store(config, data_folder, makes_it=True) as store:
         added = store.add(name, role, password, pin)
     typer.echo(f"added {added.name} as {added.role}")
 
@@ -60,11 +60,13 @@ def disable(
 
 
 @contextmanager
-def _user_store(config: Path | None, data_folder: Path | None) -> "Iterator[UserStore]":
+def _user_store(config: Path | None, data_folder: Path | None, *, makes_it: bool = False) -> "Iterator[UserStore]":
+    """The users of a database; only the first user's is made where there is none."""
     from service.auth.users import UserStore
-    from service.database.current import current_database
+    from service.database.current import current_database, present_database
 
-    with site_settings(config, data_folder) as settings, current_database(settings) as database:
+    opened = current_database if makes_it else present_database
+    with site_settings(config, data_folder) as settings, opened(settings) as database:
         yield UserStore(database)
 
 

@@ -38,7 +38,7 @@ def run(tmp_path, monkeypatch):
     ("command", "code"),
     [
         ("audit list --data-folder file", "database_fault"),
-        ("user list --data-folder file/below", "settings_refused"),
+        ("db upgrade --data-folder file/below", "settings_refused"),
         ("db restore file --data-folder file", "settings_refused"),
         ("audit key --data-folder file", "key_refused"),
         ("audit verify --data-folder folder", "key_refused"),
