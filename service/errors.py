@@ -42,6 +42,8 @@ class ErrorCode(StrEnum):
     PLANNED_TARGET_UNKNOWN = "planned_target_unknown"
     IMAGE_NOT_REGISTERED = "image_not_registered"
     EXPOSURE_POSE_UNKNOWN = "exposure_pose_unknown"
+    EVALUATIONS_DISAGREE = "evaluations_disagree"
+    EVALUATIONS_DISAGREE_AGAIN = "evaluations_disagree_again"
     ARM_UNKNOWN = "arm_unknown"
     NUDGE_TOO_SHORT = "nudge_too_short"
     CHECK_UNKNOWN = "check_unknown"
@@ -170,6 +172,14 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.PLANNED_TARGET_UNKNOWN: Answer(404, "Choose one of the case's planned targets, or none."),
     ErrorCode.IMAGE_NOT_REGISTERED: Answer(409, "Pick the target in the registered image that the status names."),
     ErrorCode.EXPOSURE_POSE_UNKNOWN: Answer(409, "Request an exposure and take a new image."),
+    ErrorCode.EVALUATIONS_DISAGREE: Answer(
+        422, "Expose once more. If they disagree again, register anew: exposing alone gets no further."
+    ),
+    ErrorCode.EVALUATIONS_DISAGREE_AGAIN: Answer(
+        422,
+        "Withdraw the target, take another image and register where the guide is now, choose the target in it and move."
+        " If they disagree after that, too, have an engineer make the daily check and hold the guide against its file.",
+    ),
     ErrorCode.ARM_UNKNOWN: Answer(409, "Connect the arm, switch it on, and wait until the status shows it."),
     ErrorCode.NUDGE_TOO_SHORT: Answer(422, "Plan a nudge of 5 mm or more along the guide's own y."),
     ErrorCode.CHECK_UNKNOWN: Answer(404, "Begin the daily check, then take a new image."),

@@ -95,6 +95,8 @@ def _evaluation(outcome: str) -> Json:
         "status": "evaluated",
         "contour": {"angle_error_deg": degrees, "position_error_mm": 0.3, "predicted_error_95": _PREDICTED},
         "paper": {"angle_error_deg": degrees, "position_error_mm": 0.3},
+        "difference": {"angle_error_deg": 0.01, "position_error_mm": 0.2 if outcome == "disagree" else 0.01},
+        "difference_limit": {"angle_error_deg": 0.04, "position_error_mm": 0.1},
         "agree": outcome != "disagree",
         "motion_agreement": {"chi_square": 40.0 if outcome == "view_moved" else 6.0, "limit": 18.548},
         "anatomy_shift": {

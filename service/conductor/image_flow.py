@@ -14,6 +14,7 @@ from service.conductor.arrival import take_in
 from service.conductor.conductor import Conductor, new_id
 from service.conductor.image_work import Json, evaluate_image, quality_of, register_image
 from service.conductor.taking import Prepared, Taken
+from service.conductor.unusable import what_to_do
 from service.errors import ErrorCode, ServiceError
 from service.images.findings import findings_key, keep_findings
 from service.images.store import images_without_purpose
@@ -135,7 +136,8 @@ async def _until_free(record: Callable[[], object], image_id: str) -> None:
 
 def _refused(facts: RegistrationRefused | VerificationRefused, result: Json) -> Prepared:
     """A refused image; the picture of what was found in it, where image work came to one, commits with the refusal."""
-    data = {"image_id": facts.image_id, "reason": result["reason"]}
+    reason = result["reason"]
+    data = {"image_id": facts.image_id, "reason": reason, "what_to_do": what_to_do(reason["code"])}
     data |= {name: result[name] for name in ("first_image_id",) if name in result}  # of a nudge
     encoded = result.get("findings_png_base64")
     if encoded is None:

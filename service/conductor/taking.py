@@ -13,6 +13,7 @@ from service.cases.records import NewArtefact, NewAttempt, NewEvent, StoredCase,
 from service.conductor.configuration import configuration_of
 from service.conductor.device_set import DeviceSet, changed_devices, read_devices
 from service.conductor.snapshots import Held, measure
+from service.conductor.unusable import why_unusable
 from service.conductor.verdict_json import kept_verdict, verdict_json
 from service.errors import ErrorCode, ServiceError
 from service.ledger.draft import describe
@@ -166,6 +167,7 @@ def _event(standing: Standing, decision: Decision, prepared: Prepared, user_id: 
         "effects": list(decision.effects),
         "made": dict(prepared.made),
         **prepared.data,
+        **why_unusable(standing.connection, decision, prepared.data),
     }
     return NewEvent(
         trigger=decision.taken_as,

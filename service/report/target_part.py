@@ -159,7 +159,8 @@ def _result(event: StoredEvent) -> str:
         case Trigger.VERIFICATION_PASSED | Trigger.VERIFICATION_FAILED:
             return words(event.trigger)
         case _:
-            return f"refused: {words(said['reason']['code'])}"
+            # Of one that the rules refused, earlier versions recorded no reason beside its verdicts.
+            return f"refused: {words(said['reason']['code'])}" if "reason" in said else "refused"
 
 
 def other_exposures(record: CaseRecord, course: Sequence[TargetWork]) -> list[Row]:

@@ -66,6 +66,13 @@ class QuietRoom:
             event = NewEvent("note", None, state, to_json(case), {"text": f"put into {state}"})
             store.append(connection, self.case_id, event, expected_version=None)
 
+    def tell(self, trigger: str, data: dict[str, object]) -> None:
+        """An event of the recorded case that changes nothing else."""
+        with self.running.parts.database.write() as connection:
+            last = store.newest_event(connection, self.case_id)
+            event = NewEvent(trigger, None, last.state, last.case_state, data)
+            store.append(connection, self.case_id, event, expected_version=None)
+
     def _chain(self, connection: Connection) -> dict[str, object]:
         first, second = store.artefacts_of(connection, ArtefactKind.REGISTRATION, self.case_id)
         (target,) = store.artefacts_of(connection, ArtefactKind.TARGET, self.case_id)

@@ -3,6 +3,8 @@
 import pytest
 
 from service.auth.permissions import Role
+from service.conductor.unusable import what_to_do
+from service.errors import ErrorCode
 from tests.service.conftest import PIN
 from tests.tablet.tablet import IS_ON_TOP
 from workflow.states import State
@@ -94,3 +96,24 @@ def test_a_point_is_picked_and_moved_by_keys(procedure, at_the_case):
         arg=f"{picked_px[0]},{picked_px[1]}",
     )
     assert tablet.picked_px() == pytest.approx((picked_px[0] + 0.25, picked_px[1]), abs=1e-6)
+
+
+@pytest.mark.hazard("H33")
+def test_evaluations_that_disagree_again_are_told_with_the_way_on_until_there_is_another_registration(
+    procedure, at_the_case
+):
+    code = ErrorCode.EVALUATIONS_DISAGREE_AGAIN
+    reason = {"code": code, "message": "disagree", "measured": 0.091, "limit": 0.06, "unit": "mm"}
+    told = {"reason": reason, "what_to_do": what_to_do(code), "leads_onwards": ["target_withdrawn"]}
+    procedure.tell("verification_refused", told)
+    procedure.put(State.MOVED)
+    tablet = at_the_case()
+    refusal = tablet.page.locator(".refusing", has_text="The image cannot be used")
+    for state in (State.MOVED, State.REGISTERED):
+        procedure.put(state)
+        tablet.is_at(state)
+        words = refusal.inner_text()
+        assert "measured 0.091 mm, limit 0.060 mm" in words
+        assert what_to_do(code) in words
+    procedure.tell("registration_completed", {})
+    refusal.wait_for(state="detached")

@@ -71,6 +71,22 @@ def test_an_aborted_case_has_one_with_the_reason(make_site, tmp_path):
     assert "Reason: #[power] cut." in text
 
 
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [({"reason": {"code": "evaluations_disagree"}}, "refused: evaluations disagree"), ({}, "refused")],
+)
+def test_an_image_that_the_rules_refused_says_so_with_the_reason_where_it_was_recorded(
+    make_site, tmp_path, told, words
+):
+    site = make_site(tmp_path / "refused", State.MOVED)
+    with current_database(site.settings) as database, database.write() as connection:
+        last = store.newest_event(connection, site.case_id)
+        image_id = store.events_of_kind(connection, site.case_id, ["image_arrived"])[-1].data["image_id"]
+        event = NewEvent("verification_refused", None, "moved", last.case_state, {"image_id": image_id} | told)
+        store.append(connection, site.case_id, event, expected_version=None)
+    assert f"; {words}" in _text(_run(_report(site)))
+
+
 def test_a_case_that_there_is_not_has_none(site):
     with current_database(site.settings) as database, pytest.raises(ServiceError) as refused:
         _run(make_report(database, _Here(), "none"))

@@ -82,8 +82,8 @@ const DEG_PER_RAD = 180 / Math.PI;
 
 /** What was measured beside its limit. @param {any} measured @param {any} limit @param {string} [unit] of numbers */
 export function againstLimit(measured, limit, unit = "") {
-  const shown = unit.replace(/^rad/, "°");
-  const factor = shown === unit ? 1 : DEG_PER_RAD;
+  const shown = unit.replace(/^(rad|deg)/, "°");
+  const factor = unit.startsWith("rad") ? DEG_PER_RAD : 1;
   const words = (/** @type {any} */ value) => (typeof value === "number" ? `${plain(value * factor)} ${shown}`.trim() : plain(value));
   if (typeof limit === "boolean") return t("refused.found", { found: plain(measured), needed: plain(limit) });
   return t("refused.measured", { measured: words(measured), limit: words(limit) });

@@ -49,16 +49,23 @@ export function Exposing({ children }) {
   return html`<${Action} trigger="exposure_requested" icon="xray">${children}<//>`;
 }
 
+const RESULTS = ["registration_refused", "verification_refused", "registration_completed", "verification_passed", "verification_failed"];
+
 /** What became of the newest image, where it entered no chain. */
 export function Unusable() {
-  const refused = newest("registration_refused", "verification_refused", "registration_completed", "verification_passed", "verification_failed");
+  const refused = newest(...RESULTS);
   const stray = newest("image_arrived");
   const isStray = stray && stray.data.row === 5 && (!refused || stray.sequence > refused.sequence);
   if (isStray && stray.data.problem) return html`<${Why} reason=${stray.data.problem} />`;
   if (isStray) return html`<${Stray} id=${stray.data.image_id} />`;
-  if (refused?.trigger === "registration_completed" && refused.state === "carm_positioned") return html`<p class="warning">${t("exposing.gates")}</p>`;
+  return html`<${NoResult} />`;
+}
+
+/** Why the newest image gave no result, and what leads onwards from there: through other screens, too. */
+export function NoResult() {
+  const refused = newest(...RESULTS);
   if (!refused?.data.reason) return null;
-  return html`<${Why} reason=${refused.data.reason} />
+  return html`<${Why} ...${refused.data} />
     ${refused.data.findings_sha256 && html`<details class="findings"><summary>${t("exposing.findings")}</summary><img src=${`/api/images/${refused.data.image_id}/findings`} alt=${t("exposing.findings")} /></details>`}`;
 }
 
@@ -72,12 +79,14 @@ function Stray({ id }) {
   </div>`;
 }
 
-/** @param {{reason: any}} props */
-function Why({ reason }) {
+/** @param {{reason: any, what_to_do?: string, leads_onwards?: string[]}} props */
+function Why({ reason, what_to_do: told = "", leads_onwards: onwards = [] }) {
+  const words = tOr(`do.${reason.code}`, told);
+  const steps = `${t("refused.first")} ${onwards.map((one) => t(`trigger.${one}`)).join(" · ")}`;
   return html`<div class="refusing">
     <h3>${t("exposing.refused")}</h3>
     <p>${tOr(`code.${reason.code}`, reason.message)}</p>
-    ${reason.measured != null && html`<small>${againstLimit(reason.measured, reason.limit)}</small>`}
-    <p class="onwards">${tOr(`do.${reason.code}`, "")}</p>
+    ${reason.measured != null && html`<small>${againstLimit(reason.measured, reason.limit, reason.unit)}</small>`}
+    <p class="onwards">${words || (onwards.length > 0 && steps)}</p>
   </div>`;
 }

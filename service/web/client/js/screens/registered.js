@@ -10,6 +10,7 @@ import { noteRefusal, room } from "../room/room.js";
 import { number, t, tOr } from "../words.js";
 import { useOverlay } from "./images.js";
 import { Bringing } from "./case_open.js";
+import { NoResult } from "./exposing.js";
 import { Screen } from "./layout.js";
 import { Retake } from "./retake.js";
 
@@ -34,6 +35,7 @@ export function Registered({ current, caseId }) {
     <div class="chips" role="group" aria-label=${t("targets.title")}>
       ${open.map((one) => html`<button class="chip" aria-pressed=${one === name} onClick=${() => setName(one)}>${one}</button>`)}
     </div>
+    <${NoResult} />
     <${Picked} ...${picking} />
     ${picking.isSure && html`<${Action} trigger="target_confirmed" icon="check" body=${{ echo_id: picking.echo.echo_id, planned_target: name }}>${t("target.confirm")}<//>`}
     <${Quality} caseId=${caseId} id=${current.chain.registration} />
