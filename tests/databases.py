@@ -50,7 +50,7 @@ class Databases(Protocol):
         ...
 
     def attack(self, address: str) -> AbstractContextManager[Attacker]:
-        """Change a database as somebody does who has it: no triggers, no foreign keys; committed at the end."""
+        """Change a database as somebody does who has it: no triggers, no foreign keys; put back and committed."""
         ...
 
 
@@ -92,9 +92,12 @@ class SqliteFiles:
     @contextmanager
     def attack(self, address: str) -> Iterator[Attacker]:
         with closing(sqlite3.connect(file_of(address))) as connection, connection:
-            for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'trigger'").fetchall():
+            triggers = connection.execute("SELECT name, sql FROM sqlite_master WHERE type = 'trigger'").fetchall()
+            for name, _ in triggers:
                 connection.execute(f"DROP TRIGGER {name}")
             yield connection
+            for _, text in triggers:
+                connection.execute(text)
 
 
 class PostgresqlDatabases:

@@ -56,18 +56,24 @@ def check_part(database: Database, first: int, last: int) -> Verification:
 
 def read_all(database: Database, check: Check) -> Verification:
     """What a check finds, also where text is no text any more or the file cannot be read to its end."""
-    verification = Verification()
     with database.reader.connect() as connection:
-        try:
-            check(connection, verification)
-        except _UNREADABLE as error:
-            if "decode" not in str(error):
-                verification.find("database", f"cannot be read to its end: {getattr(error, 'orig', error)}")
-                return verification
+        verification, error = _tried(connection, check)
+        if error is not None and "decode" in str(error):
             with _any_text(connection):
-                verification = Verification()
-                check(connection, verification)
+                verification, error = _tried(connection, check)
+    if error is not None:
+        verification.find("database", f"cannot be read to its end: {getattr(error, 'orig', error)}")
     return verification
+
+
+def _tried(connection: Connection, check: Check) -> tuple[Verification, Exception | None]:
+    """What a check finds, and what kept it from its end."""
+    verification = Verification()
+    try:
+        check(connection, verification)
+    except _UNREADABLE as error:
+        return verification, error
+    return verification, None
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""The whole verification: the file, entries and rows, checkpoints, anchor; nothing is written."""
+"""The whole verification: the file, the schema, entries and rows, checkpoints, anchor; nothing is written."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -13,6 +13,7 @@ from service.ledger.checkpoint_check import check_checkpoints, due_by_count
 from service.ledger.findings import Finding, Verification
 from service.ledger.keys import Verifier
 from service.ledger.parts_check import check_parts, read_all
+from service.ledger.schema_check import check_schema
 from service.ledger.unvouched import find_unvouched
 
 Progress = Callable[[int], None]
@@ -31,6 +32,7 @@ def verify(
 
     def check(connection: Connection, verification: Verification) -> None:
         _check_file(connection, verification)
+        check_schema(connection, verification)
         newest = connection.execute(sa.select(sa.func.max(tables.ledger.c.sequence))).scalar() or 0
         if newest == 0:
             verification.find("ledger", "there are no entries: deleted")

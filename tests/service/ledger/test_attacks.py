@@ -303,6 +303,8 @@ def test_no_byte_of_a_small_record_bears_a_flipped_bit(small, databases, table):
     unseen = []
     assert findings() == []
     with databases.attack(address) as attacker:
+        attacker.commit()
+        of_the_attack = findings()  # that the triggers are gone
         columns = [name for _, name, kind, *_ in attacker.execute(f"PRAGMA table_info({table})") if "INT" not in kind]
         row, *values = attacker.execute(
             f"SELECT rowid, {', '.join(columns)} FROM {table} ORDER BY rowid DESC LIMIT 1"
@@ -314,7 +316,7 @@ def test_no_byte_of_a_small_record_bears_a_flipped_bit(small, databases, table):
                 changed = raw[:place] + bytes([raw[place] ^ 1 << place % 8]) + raw[place + 1 :]
                 attacker.execute(update, [changed, row])
                 attacker.commit()
-                unseen += [] if findings() else [(column, place)]
+                unseen += [] if findings() != of_the_attack else [(column, place)]
             attacker.execute(f"UPDATE {table} SET {column} = ? WHERE rowid = ?", [value, row])
             attacker.commit()
     assert unseen == []
