@@ -3,6 +3,7 @@
 import asyncio
 import signal
 import socket
+from contextlib import suppress
 
 import uvicorn
 from fastapi import FastAPI
@@ -11,6 +12,7 @@ from robot.guard.pauses import spare_what_is_loaded, take_short_turns
 from service.app import create_app
 from service.connections import BACKLOG, PromptProtocol, allow_descriptors
 from service.errors import ErrorCode, ServiceError
+from service.parts import Parts
 from service.settings import Settings
 
 
@@ -43,7 +45,18 @@ async def _serve(settings: Settings, claim_reason: str | None) -> None:
         for ending in (signal.SIGINT, signal.SIGTERM):
             signal.signal(ending, lambda *_: None)
         spare_what_is_loaded()
+        starting = asyncio.create_task(_start_image_work(app.state.parts))
         await _Server(server_config(app, settings)).serve()
+        starting.cancel()
+
+
+async def _start_image_work(parts: Parts) -> None:
+    """Ahead of the first image, beside everything else: nothing else waits for it, and the service goes on without it.
+
+    A worker that does not start is told in the log and by its readiness; the first image tries again.
+    """
+    with suppress(ServiceError):
+        await parts.vision.start()
 
 
 def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:

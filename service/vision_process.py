@@ -25,13 +25,13 @@ def serve_jobs(pipe: Connection, memory_bytes: int, jobs_module: str) -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     jobs = __import__(jobs_module, fromlist=["JOBS"]).JOBS
     resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
-    pipe.send((OK, None))
-    while True:
-        try:
+    try:
+        pipe.send((OK, None))
+        while True:
             name, arguments = pipe.recv()
-        except EOFError:
-            return
-        pipe.send(_work(jobs[name], arguments))
+            pipe.send(_work(jobs[name], arguments))
+    except (EOFError, ConnectionError):  # the parent is gone; so is whoever waited for an answer
+        return
 
 
 def _work(job: Any, arguments: tuple[Any, ...]) -> tuple[str, Any]:

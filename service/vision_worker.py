@@ -23,12 +23,14 @@ _log = structlog.get_logger(__name__)
 Json = dict[str, Any]
 Matrix = list[list[float]]
 
+STARTING = "vision_starting"
+
 # A spawned process shares neither locks nor the guard's pipe with the service; a forked one would.
 _SPAWN = multiprocessing.get_context("spawn")
 
 
 class VisionWorker:
-    """One spawned process; jobs wait for one another. Started at the first job, again after a crash or deadline."""
+    """One spawned process; jobs wait for one another. Started ahead or at the first job, again after it ended."""
 
     def __init__(self, settings: VisionSettings, jobs_module: str = "service.vision_jobs") -> None:
         self._settings = settings
@@ -36,6 +38,13 @@ class VisionWorker:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="vision-worker")
         self._process: SpawnProcess | None = None
         self._pipe: Connection | None = None
+        self._why_down: str | None = None
+        self._closing = False
+
+    @property
+    def why_down(self) -> str | None:
+        """Why image work would have to wait: it starts, or the code with which it did not; None where it is not so."""
+        return self._why_down
 
     @property
     def pid(self) -> int | None:
@@ -43,11 +52,15 @@ class VisionWorker:
         return self._process.pid if self._process else None
 
     async def start(self) -> None:
-        """Start the process ahead of the first job, so that the first image does not pay for the imports."""
+        """Start the process ahead of the first job, so that the first image does not pay for the imports.
+
+        ServiceError where it does not start; the first job tries again.
+        """
         await asyncio.get_running_loop().run_in_executor(self._thread, self._running_pipe)
 
     async def close(self) -> None:
         """End the process, in the middle of a job too."""
+        self._closing = True
         process = self._process
         if process is not None:
             process.kill()
@@ -98,41 +111,48 @@ class VisionWorker:
             outcome, answer = self._receive(pipe, self._settings.deadline_s, job)
         except (EOFError, OSError) as error:
             self._end()
-            raise _fault(ErrorCode.VISION_CRASHED, job, "the image worker died") from error
+            raise self._fault(ErrorCode.VISION_CRASHED, job, "the image worker died") from error
         if outcome == vision_process.OUT_OF_MEMORY:
-            raise _fault(
+            raise self._fault(
                 ErrorCode.VISION_OUT_OF_MEMORY, job, "the image needs too much memory", self._settings.memory_bytes
             )
         if outcome == vision_process.FAILED:
             _log.error("vision_job_failed", job=job, error=answer)
-            raise _fault(ErrorCode.VISION_CRASHED, job, "the image worker failed")
+            raise self._fault(ErrorCode.VISION_CRASHED, job, "the image worker failed")
         result: Json = answer
         return result
 
     def _receive(self, pipe: Connection, deadline_s: float, job: str) -> tuple[str, Any]:
         if not pipe.poll(deadline_s):
             self._end()
-            raise _fault(ErrorCode.VISION_DEADLINE, job, "the image took too long, s", deadline_s)
+            raise self._fault(ErrorCode.VISION_DEADLINE, job, "the image took too long, s", deadline_s)
         outcome, answer = pipe.recv()
         return outcome, answer
 
     def _running_pipe(self) -> Connection:
         if self._pipe is None or self._process is None or not self._process.is_alive():
             self._end()
-            self._pipe = self._start_process()
+            self._why_down = STARTING
+            try:
+                self._pipe = self._start_process()
+            except ServiceError as error:
+                self._why_down = error.code
+                raise
+            self._why_down = None
         return self._pipe
 
     def _start_process(self) -> Connection:
         ours, theirs = _SPAWN.Pipe()
         arguments = (theirs, self._settings.memory_bytes, self._jobs_module)
-        self._process = _SPAWN.Process(target=vision_process.serve_jobs, args=arguments, daemon=True)
-        self._process.start()
-        theirs.close()  # so that the process's death closes the pipe
+        process = _SPAWN.Process(target=vision_process.serve_jobs, args=arguments, daemon=True)
         try:
+            process.start()
+            self._process = process
+            theirs.close()  # so that the process's death closes the pipe
             self._receive(ours, self._settings.start_deadline_s, "start")
         except (EOFError, OSError) as error:
             self._end()
-            raise _fault(ErrorCode.VISION_CRASHED, "start", "the image worker did not start") from error
+            raise self._fault(ErrorCode.VISION_CRASHED, "start", "the image worker did not start") from error
         return ours
 
     def _end(self) -> None:
@@ -145,7 +165,7 @@ class VisionWorker:
             self._pipe.close()
             self._pipe = None
 
-
-def _fault(code: ErrorCode, job: str, message: str, limit: float | None = None) -> ServiceError:
-    _log.error("vision_worker_fault", code=code, job=job)
-    return ServiceError(code, message, limit=limit)
+    def _fault(self, code: ErrorCode, job: str, message: str, limit: float | None = None) -> ServiceError:
+        if not self._closing:  # what ends with the service is no fault
+            _log.error("vision_worker_fault", code=code, job=job)
+        return ServiceError(code, message, limit=limit)

@@ -112,7 +112,7 @@ class ScriptedVision:
     """In place of the vision worker: work of the procedure's own waits for `finish`, a person's is answered at once."""
 
     def __init__(self, _settings: object = None) -> None:
-        self.pid = None
+        self.pid = self.why_down = None
         self.found_again = True  # the guide, in an image that is to be reused
         self._waiting: deque[tuple[asyncio.AbstractEventLoop, asyncio.Future[str]]] = deque()
 

@@ -35,8 +35,8 @@ async def read_liveness() -> Health:
 
 @router.get("/ready", openapi_extra=may_fail_with(ErrorCode.NOT_READY))
 def read_readiness(parts: Annotated[Parts, Depends(parts_of)], conductor: TheConductor) -> Health:
-    """Whether database, disk and arm would let a procedure go on; not_ready names each that would not."""
-    reasons = [*_record(parts), *_arm(conductor)]
+    """Whether database, disk, arm and image work would let a procedure go on; not_ready names each that would not."""
+    reasons = [*_record(parts), *_arm(conductor), *_image_work(parts)]
     if reasons:
         raise ServiceError(ErrorCode.NOT_READY, f"not ready: {', '.join(reasons)}", measured=", ".join(reasons))
     return Health(status="ready", version=PRODUCT_VERSION)
@@ -80,3 +80,8 @@ def _arm(conductor: Conductor) -> list[str]:
     if age_s is None or age_s > _GUARD_SILENT_S:
         return ["guard_down"]
     return [] if status is not None and status.connected else ["arm_unreachable"]
+
+
+def _image_work(parts: Parts) -> list[str]:
+    """Why an image would have to wait: its worker starts, or did not when it was tried last."""
+    return [] if parts.vision.why_down is None else [parts.vision.why_down]

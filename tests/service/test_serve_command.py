@@ -15,6 +15,7 @@ import httpx
 import pytest
 
 from service.auth.permissions import Role
+from tests.waiting import until
 
 _COAXIAL = [sys.executable, "-c", "from service.cli.main import main; main()"]
 _TELLS_WHAT_IS_SPARED = "import atexit, gc; atexit.register(lambda: print(gc.get_freeze_count()))\n"
@@ -75,7 +76,7 @@ def test_a_service_tells_its_address_keeps_its_room_obeys_and_ends_at_a_signal(f
     """H32: nothing that it loaded is searched for garbage while it serves, which would hold a stop up."""
     with _serving(folder, _TELLS_WHAT_IS_SPARED) as (process, url):
         _is_refused_as_a_second_one(_coaxial(folder, "serve"), process)
-        assert httpx.get(f"{url}/api/health/ready").status_code == 200
+        until(lambda: httpx.get(f"{url}/api/health/ready").status_code == 200)
         with _sign_in(url) as client:
             assert client.get("/status").json()["room"] == "room-1"
             assert _coaxial(folder, "user", "disable", "anna").returncode == 0
@@ -89,6 +90,29 @@ def _is_refused_as_a_second_one(second: subprocess.CompletedProcess, first: subp
     assert second.returncode == 3
     assert second.stderr.splitlines()[-1].startswith("room_claimed: ")
     assert str(first.pid) in second.stderr
+
+
+def test_the_image_worker_is_up_before_there_is_an_image(folder):
+    """The first image would pay for its imports with two seconds, while the surgeon waits."""
+    with _serving(folder) as (process, url):
+        until(lambda: _image_workers(process.pid))
+        until(lambda: httpx.get(f"{url}/api/health/ready").status_code == 200)
+        assert _image_workers(process.pid) == 1
+
+
+def test_a_service_whose_image_worker_does_not_start_says_so_and_goes_on(folder):
+    with _serving(folder, COAXIAL_VISION__START_DEADLINE_S="0.05") as (process, url):
+        until(lambda: httpx.get(f"{url}/api/health/ready").json().get("measured") == "vision_deadline")
+        assert httpx.get(f"{url}/api/health/live").status_code == 200
+        process.terminate()
+        assert process.wait(10) == 0
+
+
+def _image_workers(service_pid: int) -> int:
+    """How many processes the service has that are spawned for image work."""
+    threads = (Path("/proc") / str(service_pid) / "task").iterdir()
+    children = {child for thread in threads for child in (thread / "children").read_text().split()}
+    return sum(b"spawn_main" in (Path("/proc") / child / "cmdline").read_bytes() for child in children)
 
 
 def test_after_a_kill_the_next_service_starts_at_once_with_sessions_and_records(folder):

@@ -7,10 +7,12 @@ import time
 from pathlib import Path
 
 import pytest
+from structlog.testing import capture_logs
 
 from service.errors import ErrorCode, ServiceError
 from service.settings import VisionSettings
-from service.vision_worker import VisionWorker
+from service.vision_worker import STARTING, VisionWorker
+from tests.waiting import until
 
 _JOBS = """
 import os, time
@@ -132,9 +134,43 @@ def test_closing_ends_a_running_job(run):
     assert took_s < 2.0
 
 
-def test_a_worker_that_cannot_start_says_so(run):
+def test_a_worker_that_cannot_start_says_so_until_it_does(run):
     async def trial(worker):
-        worker._jobs_module = "no_such_module"
-        return await _code(worker.run("pid"))
+        good, worker._jobs_module = worker._jobs_module, "no_such_module"
+        told = [worker.why_down, await _code(worker.start()), worker.why_down, await _code(worker.run("pid"))]
+        worker._jobs_module = good
+        await worker.run("pid")
+        return [*told, worker.why_down]
 
-    assert run(trial) == ErrorCode.VISION_CRASHED
+    crashed = ErrorCode.VISION_CRASHED
+    assert run(trial) == [None, crashed, crashed, crashed, None]
+
+
+def test_a_worker_that_starts_is_waited_for_by_the_first_job_and_says_so(run):
+    async def trial(worker):
+        starting = asyncio.create_task(worker.start())
+        await asyncio.to_thread(until, lambda: worker.why_down is not None)
+        told = worker.why_down
+        first = (await worker.run("pid"))["pid"]
+        await starting
+        return told, worker.why_down, first == worker.pid
+
+    assert run(trial) == (STARTING, None, True)
+
+
+def test_closing_ends_a_start_without_calling_that_a_fault(run, tmp_path):
+    (tmp_path / "slow_jobs.py").write_text("import time; time.sleep(60)")
+
+    async def trial(worker):
+        worker._jobs_module = "slow_jobs"
+        starting = asyncio.create_task(worker.start())
+        await asyncio.to_thread(until, lambda: worker.pid is not None)
+        started_s = time.monotonic()
+        await worker.close()
+        return await _code(starting), time.monotonic() - started_s
+
+    with capture_logs() as logged:
+        code, took_s = run(trial)
+    assert code == ErrorCode.VISION_CRASHED
+    assert took_s < 2.0
+    assert logged == []
