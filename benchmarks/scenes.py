@@ -1,19 +1,22 @@
 """Registers and targets random scenes of the simulator's renderer, which shares no geometry with `vision`.
 
-    python benchmarks/scenes.py [--count N] [--first SEED] [--groups NAME ...] [--keep FILE] [--against FILE]
+    python benchmarks/scenes.py [--count N] [--first SEED] [--groups NAME ...] [--tolerances SHARE] [--keep FILE]
+        [--against FILE]
 
 Per group of scenes: how many were registered, the errors of the commanded move, how many lay within their predicted
 95 % bounds; then every refusal with its reason. With --keep every result is a line of FILE, and a run goes on where the
 last one ended. With --against results of the same scenes by other code are compared: per group by how much the errors
 of scenes that both registered grew, as a factor of their geometric mean with its 95 % interval, and of their root mean
-square. Exit status 1 where any accepted result is wrong: beyond 0.5 deg or 1.0 mm.
+square. --tolerances has the guide's file state only so much of its tolerances of radius and separation, as that of a
+guide whose rings were measured does; the guides drawn stay the same. Exit status 1 where any accepted result is wrong:
+beyond 0.5 deg or 1.0 mm.
 """
 
 import argparse
 import math
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +26,7 @@ from scipy import stats
 
 from simulator.carm.drawing import random_scene
 from simulator.carm.render import render
-from vision.devices import read_carm, read_guide
+from vision.devices import Guide, read_carm, read_guide
 from vision.refusal import Refusal
 
 GROUPS = ("ii", "steep", "strong", "flat")
@@ -45,6 +48,7 @@ class Result:
     position_mm: float = math.nan
     is_inside_bound: bool = False
     reason: str = ""
+    tolerances: float = 1.0  # share of them that the guide's file states
 
     @property
     def is_wrong(self) -> bool:
@@ -52,25 +56,33 @@ class Result:
         return self.angle_deg > WRONG_DEG or self.position_mm > WRONG_MM
 
 
-def scene(group: str, seed: int) -> Sample:
-    """A rendered scene with its truth, the reference guide's file and the room's C-arm's."""
+def guide_file(tolerances: float) -> Guide:
+    """The reference guide with this share of its file's tolerances of radius and separation."""
+    sd = _GUIDE.tolerance
+    radius_mm, separation_mm = (tolerances * of_file for of_file in (sd.radius_sd_mm, sd.separation_sd_mm))
+    return replace(_GUIDE, tolerance=replace(sd, radius_sd_mm=radius_mm, separation_sd_mm=separation_mm))
+
+
+def scene(group: str, seed: int, guide: Guide = _GUIDE) -> Sample:
+    """A rendered scene with its truth, the guide's file and the room's C-arm's."""
     image = render(random_scene(seed, group), seed)
     carm = "carm-flat-panel.toml" if group == "flat" else "carm-intensifier.toml"
-    return Sample(f"{group}:{seed}", image.pixels, image.truth, _GUIDE, read_carm((_CARMS / carm).read_bytes()))
+    return Sample(f"{group}:{seed}", image.pixels, image.truth, guide, read_carm((_CARMS / carm).read_bytes()))
 
 
-def result(group: str, seed: int) -> Result:
+def result(group: str, seed: int, tolerances: float) -> Result:
     """Render, register and target one scene."""
-    score = scored(scene(group, seed), 0)
+    score = scored(scene(group, seed, guide_file(tolerances)), 0)
     if isinstance(score, Refusal):
-        return Result(group, seed, score.code, reason=f"{score.message} ({score.measured}, limit {score.limit})")
-    return Result(group, seed, REGISTERED, score.angle_deg, score.position_mm, bool(score.is_inside_bound))
+        reason = f"{score.message} ({score.measured}, limit {score.limit})"
+        return Result(group, seed, score.code, reason=reason, tolerances=tolerances)
+    errors = score.angle_deg, score.position_mm
+    return Result(group, seed, REGISTERED, *errors, bool(score.is_inside_bound), tolerances=tolerances)
 
 
-def kept(path: Path) -> dict[tuple[str, int], Result]:
-    """Results of earlier runs by group and seed."""
-    results = (Result(**fields) for fields in kept_lines(path))
-    return {(one.group, one.seed): one for one in results}
+def kept(path: Path) -> list[Result]:
+    """Results of earlier runs."""
+    return [Result(**fields) for fields in kept_lines(path)]
 
 
 def line(group: str, results: Sequence[Result]) -> str:
@@ -90,8 +102,9 @@ def _errors(results: Sequence[Result]) -> np.ndarray:
     return np.array([(one.angle_deg, one.position_mm) for one in results])
 
 
-def comparison(results: Sequence[Result], others: dict[tuple[str, int], Result]) -> Iterator[str]:
-    """How errors differ from others' on the same scenes, by group and all together."""
+def comparison(results: Sequence[Result], before: Sequence[Result]) -> Iterator[str]:
+    """How errors differ from those before on the same scenes, by group and all together."""
+    others = {(one.group, one.seed): one for one in before}
     both = [(one, others[one.group, one.seed]) for one in results if (one.group, one.seed) in others]
     both = [pair for pair in both if all(one.code == REGISTERED for one in pair)]
     heads = " ".join(f"{unit + ': mean factor, 95 %':>26} {'rms':>6}" for unit in ("deg", "mm"))
@@ -119,16 +132,22 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=12, help="scenes of each group (default 12)")
     parser.add_argument("--first", type=int, default=0, help="seed of the first (default 0)")
     parser.add_argument("--groups", nargs="+", choices=GROUPS, default=GROUPS, help="by default all")
+    parser.add_argument("--tolerances", type=float, default=1.0, help="share of the file's that it states (default 1)")
     parser.add_argument("--keep", type=Path, help="file of results, which a run goes on from")
     parser.add_argument("--against", type=Path, help="file of results by other code, to compare with")
     options = parser.parse_args()
-    known = kept(options.keep) if options.keep else {}
+    try:
+        guide_file(options.tolerances)
+    except ValueError as error:
+        parser.error(f"--tolerances {options.tolerances:g}: {error}")
+    known = {(one.group, one.seed, one.tolerances): one for one in (kept(options.keep) if options.keep else ())}
     print(f"{'group':>7} {'registered':<12} {'median deg, mm':>17} {'95 % deg, mm':>17} {'worst deg, mm':>17} within")
     results: list[Result] = []
     for group in options.groups:
         for seed in range(options.first, options.first + options.count):
-            one = known.get((group, seed)) or result(group, seed)
-            if options.keep and (group, seed) not in known:
+            found = known.get((group, seed, options.tolerances))
+            one = found or result(group, seed, options.tolerances)
+            if options.keep and found is None:
                 keep_line(options.keep, asdict(one))
             results.append(one)
         print(line(group, results[-options.count :]), flush=True)
