@@ -4,7 +4,7 @@ import tomllib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from benchmarks.evidence.item import Item
+from benchmarks.evidence.item import Item, Trial
 from benchmarks.evidence.published import State
 from benchmarks.evidence.runs import Row
 from benchmarks.evidence.timing import Timing
@@ -32,6 +32,9 @@ and one in twenty starts whole.
 Of fuzzing and of requests each execution counts. A decoder that ends its process, or works for more than a second of
 its own time, counts as bad, though the image worker bears both: its next image finds a new process.
 
+A trial that raises an error of its own, the harness's too, is bad with all its executions; the numbers behind it are
+run nevertheless. Where nothing can be tried, none is counted, and the run fails.
+
 | what | asked | done | of | bad | at most | holds | hours | code |
 |---|---|---:|---:|---:|---:|---|---:|---|
 """
@@ -48,9 +51,11 @@ def page(rows: Sequence[Row]) -> str:
     known = [row.timing.hours for row in rows if row.timing is not None]
     total = f"Together {sum(known):.1f} hours for {len(known)} of {len(rows)} rows.\n"
     parts = [f"- **{row.item.name}**: {_kinds(row.today)}." for row in rows if row.today.done]
+    raised = [f"- **{row.item.name}** {_told(trial)}" for row in rows for trial in row.today.raised]
     earlier = [_earlier(row.item, state) for row in rows for state in row.earlier]
     sections = [
         _section("What was tried", parts),
+        _section("Raised", raised),
         _section("Earlier states of the code", [_EARLIER_HEAD, *earlier] if earlier else []),
         _section("Found and mended", _mended()),
     ]
@@ -78,6 +83,10 @@ def _hours(timing: Timing | None) -> str:
 
 def _kinds(state: State) -> str:
     return ", ".join(f"{kind} {count:,}" for kind, count in sorted(state.kinds.items()))
+
+
+def _told(trial: Trial) -> str:
+    return f"{trial['number']}: {trial['error']}, {trial['place']}."
 
 
 _EARLIER_HEAD = """Counted in no row above: one of the files has changed since. Of each row three: those with the most

@@ -16,6 +16,7 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.evidence.disk import Disk, Loss
 from benchmarks.evidence.item import Trial
+from benchmarks.evidence.raised import trial_of
 from benchmarks.evidence.system_calls import Call, recorded
 from benchmarks.evidence.whole_case import SMALL, WHOLE, newest, settings_of
 from service.database.engines import Database, open_database
@@ -88,18 +89,19 @@ def cuts(prepared: Path, calls: Sequence[Call], seeds: Sequence[int], place: Pat
     disk, acknowledged, done, onlooker = Disk(prepared), _entries(prepared), 0, Onlooker(place)
     known: dict[bytes, tuple[int, str]] = {}  # many cuts leave the same, and so does whatever looks at it
     for moment, seed in drawn:
-        for call in calls[done : moment + 1]:
-            disk.do(call)
-            acknowledged = max(acknowledged, _acknowledgement(call))
-        done = moment + 1
-        loss = _LOSSES[seed % len(_LOSSES)]
-        left = disk.cut(loss, Random(seed))
-        state = _digest(left)
-        if state not in known:
-            _lay(left, place)
-            known[state] = onlooker.look()
-        entries, corrupt = known[state]
-        yield Found(seed, loss, moment, acknowledged, entries, corrupt)
+        with trial_of(seed):
+            for call in calls[done : moment + 1]:
+                disk.do(call)
+                acknowledged = max(acknowledged, _acknowledgement(call))
+            done = moment + 1
+            loss = _LOSSES[seed % len(_LOSSES)]
+            left = disk.cut(loss, Random(seed))
+            state = _digest(left)
+            if state not in known:
+                _lay(left, place)
+                known[state] = onlooker.look()
+            entries, corrupt = known[state]
+            yield Found(seed, loss, moment, acknowledged, entries, corrupt)
 
 
 def _acknowledgement(call: Call) -> int:

@@ -17,6 +17,7 @@ from scipy.stats import binomtest
 from benchmarks.evidence.item import Trial
 from service.whole_file import whole_file
 
+RAISED = "raised"  # kind of a trial that did not come to its end; `error` and `place` say what was raised and where
 _EARLIER = 3  # states of each item that are told beside today's
 _NO_SUM = (0, 0.0)
 
@@ -46,6 +47,11 @@ class State:
     def bad(self) -> int:
         """Executions that are."""
         return sum(trial["bad"] for trial in self.bad_trials)
+
+    @property
+    def raised(self) -> tuple[Trial, ...]:
+        """Trials that did not come to their end; they are bad ones."""
+        return tuple(trial for trial in self.bad_trials if RAISED in trial.get("kinds", ()))
 
     @property
     def share_95(self) -> float:

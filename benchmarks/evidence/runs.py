@@ -3,7 +3,6 @@
 Every trial is a line of FOLDER/NAME.jsonl, with the fingerprint of its code: another state's counts as not done.
 """
 
-import json
 import logging
 import multiprocessing
 import os
@@ -21,11 +20,11 @@ from typing import Any
 
 import structlog
 
-from benchmarks.evidence.code import commit
 from benchmarks.evidence.item import Item
+from benchmarks.evidence.part import run_trials
 from benchmarks.evidence.published import State, gathered, read, write
 from benchmarks.evidence.timing import Timing, timing
-from benchmarks.kept import keep_line, kept_lines
+from benchmarks.kept import kept_lines
 from robot.guard.parent import end_with_parent
 
 Parts = list["Future[None]"]
@@ -152,27 +151,9 @@ def _end(*_: Any) -> None:
 def _run_part(item: Item, folder: Path, inputs: Path, numbers: Sequence[int]) -> None:
     """Some trials, unless this process is asked to end."""
     try:
-        _run_trials(item, folder, inputs, numbers)
+        run_trials(item, _file(item, folder), inputs, numbers)
     except (SystemExit, KeyboardInterrupt):  # all is cleared away; the pool would take it for a part that failed
         os._exit(1)
-
-
-def _run_trials(item: Item, folder: Path, inputs: Path, numbers: Sequence[int]) -> None:
-    """Each kept as soon as it is done."""
-    at, before_s = commit(), _spent_s(item)
-    for place, trial in enumerate(item.trials(inputs, numbers)):
-        now_s = _spent_s(item)
-        timed = {"seconds": round(now_s - before_s, 5), "first": place == 0, "load": os.getloadavg()[0]}
-        before_s = now_s
-        keep_line(_file(item, folder), trial | timed | {"code": item.code, "commit": at})
-        if trial["bad"]:
-            print(f"\nbad: {item.name}: {json.dumps(trial)}", file=sys.stderr)
-
-
-def _spent_s(item: Item) -> float:
-    """Of the processor by this process and those that it waited for; of the clock where trials wait."""
-    spent = os.times()
-    return time.monotonic() if item.waits else sum(spent[:4])
 
 
 def _file(item: Item, folder: Path) -> Path:

@@ -62,7 +62,9 @@ def _verdict(today: Mapping[Fault, State]) -> Iterable[str]:
         seconds = sum(whole for _, whole in times) / sum(count for count, _ in times)
         yield f"- {seconds:.2f} s of processor time a scene: {PLANNED * seconds / 7200.0:.1f} h of two cores for all."
     for fault, state in today.items():
-        for trial in state.bad_trials:
+        for trial in state.raised:
+            yield f"- Raised, counted as wrong: `{fault}:{trial['number']}`, {trial['error']}, {trial['place']}."
+        for trial in (trial for trial in state.bad_trials if "measured" in trial):
             off = trial["measured"]
             yield f"- Wrong: `{fault}:{trial['number']}` ({trial['group']}), {off['deg']:.3f} deg, {off['mm']:.3f} mm."
 
