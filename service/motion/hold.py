@@ -118,12 +118,18 @@ async def _first_of(*awaited: "asyncio.Future[Any]") -> None:
 
 
 async def _forward(held: _Hold) -> None:
-    """Pass heartbeats on as they come; what is no heartbeat ends the hold, which is silence to the guard."""
+    """Pass heartbeats on as they come; what is no heartbeat ends the hold, which is silence to the guard.
+
+    Nothing is passed on under a permit that is good for nothing any more: the guard hears one hand at a time, and an
+    old one's first word would take the place of the hand that holds now, and end its motion. To a motion that goes on
+    under such a permit, this is silence, too.
+    """
     try:
         while True:
             text = await held.socket.receive_text()
             beat = HeartbeatMessage.of(text)
-            held.conductor.bridge.heartbeat(Heartbeat(held.permit_id, beat.number, beat.challenge, beat.held))
+            if _is_current(held):
+                held.conductor.bridge.heartbeat(Heartbeat(held.permit_id, beat.number, beat.challenge, beat.held))
     except (WebSocketDisconnect, ValidationError, KeyError) as error:  # KeyError: a binary message
         _log.info("hold_ended", case_id=held.caller.case_id, reason=type(error).__name__)
 
@@ -142,7 +148,7 @@ async def _start(held: _Hold) -> Ending | None:
     """Start the motion once the guard hears the button held; an ending if it does not come to that."""
     end_s = time.monotonic() + _HELD_WITHIN_S
     while not _is_live(held):
-        if _is_released(held) or time.monotonic() > end_s:
+        if _is_released(held) or not _is_current(held) or time.monotonic() > end_s:
             live = held.conductor.live
             return Ending("not_started", live.state if live else "", 0, None, None, None)
         await asyncio.sleep(_LOOK_EVERY_S)
@@ -172,6 +178,15 @@ def _is_live(held: _Hold) -> bool:
         return False
     age_s = status.heartbeat_age_s + time.monotonic() - status.sent_at_s
     return status.held and age_s <= held.conductor.rules.limits.heartbeat_age_s
+
+
+def _is_current(held: _Hold) -> bool:
+    """Whether the permit is the case's newest, or that of the motion under way."""
+    live = held.conductor.live
+    if live is None or live.case_id != held.caller.case_id:
+        return False
+    permit_id = live.used_permit_id if live.running is not None else live.permit and live.permit.id
+    return permit_id == held.permit_id
 
 
 def _is_released(held: _Hold) -> bool:

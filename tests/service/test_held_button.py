@@ -85,3 +85,36 @@ def test_a_session_that_ended_since_the_button_was_drawn_starts_nothing(monkeypa
     ending = asyncio.run(hold._start(hold._Hold(socket, conductor, caller, "p", "goal")))
     assert (ending.cause, ending.problem["code"]) == ("refused", code)
     assert started == []
+
+
+def _live(permit: str | None, running_under: str | None = None, case_id: str = "case") -> SimpleNamespace:
+    running = None if running_under is None else SimpleNamespace(id="motion")
+    issued = None if permit is None else SimpleNamespace(id=permit)
+    return SimpleNamespace(case_id=case_id, permit=issued, running=running, used_permit_id=running_under)
+
+
+@pytest.mark.hazard("H15")
+@pytest.mark.parametrize(
+    ("live", "heard"),
+    [
+        (_live("p"), True),
+        (_live(None, "p"), True),
+        (_live("newer"), False),
+        (_live(None, "newer"), False),
+        (_live(None), False),
+        (_live("p", case_id="another"), False),
+        (None, False),
+    ],
+)
+def test_only_the_newest_permit_and_that_of_the_motion_under_way_are_heard(live, heard) -> None:
+    passed_on: list[Any] = []
+    words = iter(['{"number": 1, "challenge": "c", "held": true}', '{"number": 2, "challenge": "d", "held": false}'])
+
+    async def receive_text() -> str:
+        return next(words, "no heartbeat")
+
+    bridge = SimpleNamespace(heartbeat=passed_on.append)
+    caller = Caller(SimpleNamespace(id="holder"), "case", None, None, 2)
+    socket = SimpleNamespace(receive_text=receive_text)
+    asyncio.run(hold._forward(hold._Hold(socket, SimpleNamespace(bridge=bridge, live=live), caller, "p", "goal")))
+    assert [beat.held for beat in passed_on] == ([True, False] if heard else [])

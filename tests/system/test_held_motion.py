@@ -266,3 +266,15 @@ def test_a_duplicated_tab_that_holds_the_same_permit_starts_no_second_motion(cas
     assert case.wait_for("safe_hold", "case_open")["chain"]["permit"] is None
     if case.status()["state"] == "safe_hold":
         case.command("acknowledged", guide="empty")
+
+
+@pytest.mark.hazard("H15")
+def test_a_button_that_was_pressed_for_an_earlier_permit_ends_no_newer_motion(case, lift, controller, until) -> None:
+    """A socket opened under a permit that another has replaced, and silent since, says its first word."""
+    earlier = case.hold(case.approve(lift(20.0), PIN))
+    earlier.fall_silent()
+    with earlier, case.hold(case.approve(lift(40.0), PIN)) as newer:
+        until(lambda: controller.state().tcp_speed_mm_s > 10.0 or newer.is_over)
+        earlier.release()
+        assert earlier.wait(5.0).cause == "not_started"
+        assert newer.wait(30.0).cause == "arrived"
