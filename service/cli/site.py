@@ -27,7 +27,8 @@ def in_one_line(status: int = REFUSED) -> Iterator[None]:
     try:
         yield
     except ServiceError as error:
-        typer.echo(f"{error.code}: {error.message}. {answer_for(error.code).what_to_do}", err=True)
+        end = "" if error.message.endswith("?") else "."
+        typer.echo(f"{error.code}: {error.message}{end} {answer_for(error.code).what_to_do}", err=True)
         raise typer.Exit(status) from error
 
 

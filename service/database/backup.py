@@ -36,10 +36,14 @@ def back_up(database: Database, file: Path) -> None:
         raise _refused(f"{file} cannot be written ({error.strerror})") from error
 
 
-def restore(database: Database, file: Path) -> None:
-    """Bring a backup into a database without tables; ServiceError BACKUP_REFUSED, and then nothing has changed."""
+def check_backup_present(file: Path) -> None:
+    """ServiceError BACKUP_REFUSED where there is no such file: asked before a database is opened, which makes it."""
     if not file.is_file():
         raise _refused(f"there is no file {file}")
+
+
+def restore(database: Database, file: Path) -> None:
+    """Bring a backup into a database without tables; ServiceError BACKUP_REFUSED, and then nothing has changed."""
     with database.read() as connection:
         if sa.inspect(connection).get_table_names():
             raise _refused("the database is not empty")

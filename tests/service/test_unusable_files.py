@@ -73,8 +73,14 @@ def test_a_mistyped_folder_is_refused_and_gets_no_database(run, tmp_path, comman
     refused = run(*command.split(), "--data-folder", "folder")
     assert refused.exit_code != 0
     assert "database_fault: there is no database" in refused.stderr
-    assert "is the data folder the one meant?" in refused.stderr
+    assert "is the data folder the one meant? Check" in refused.stderr
     assert sorted((tmp_path / "folder").rglob("*")) == here
+
+
+def test_restoring_from_no_file_makes_no_database_that_passes_for_the_room_s(run, tmp_path):
+    refused = run("db", "restore", "none", "--data-folder", "room")
+    assert (refused.exit_code, refused.stderr.split(":")[0]) == (3, "backup_refused")
+    assert not (tmp_path / "room").exists()
 
 
 def test_verifying_says_that_a_database_is_older_and_leaves_it_so(run, tmp_path):
