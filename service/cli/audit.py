@@ -18,8 +18,10 @@ from service.cli.replay import replay
 from service.cli.site import ConfigOption, DataFolderOption, site_settings
 
 if TYPE_CHECKING:
+    from service.database.engines import Database
     from service.ledger.findings import Verification
     from service.ledger.keys import Verifier
+    from service.ledger.listing import Wanted
     from service.settings import Settings
 
 audit = plain_typer(no_args_is_help=True)
@@ -117,6 +119,19 @@ def _print(
         record_reading(database, None, what, {"after": after, "limit": limit, "format": form.value})
         for text in lines:
             typer.echo(text, nl=False)
+        _tell_the_end(database, wanted, after, limit)
+
+
+def _tell_the_end(database: "Database", wanted: "Wanted", after: int, limit: int | None) -> None:
+    """On stderr, where nothing fits or the limit cut the list: read without a word, either passes for all there is."""
+    from service.ledger.listing import page
+
+    with database.read() as connection:
+        found = page(connection, wanted, after, (limit or 0) + 1)
+    if not found:
+        typer.echo("no entry fits", err=True)
+    elif limit is not None and len(found) > limit:
+        typer.echo(f"{limit} entries, and there are more: --after {found[limit - 1]['sequence']}", err=True)
 
 
 @audit.command()

@@ -70,9 +70,22 @@ def test_a_key_for_others_is_refused(run, folder):
     assert "key_refused" in result.stderr
 
 
-def test_a_list_ends_at_its_limit(run):
-    assert len(run("list", "--limit", "3").stdout.splitlines()) == 1 + 3
-    assert len(run("list", "--limit", "0", "--case", "case-1").stdout.splitlines()) > 3
+def test_a_list_ends_at_its_limit_and_says_where_it_goes_on(run):
+    cut = run("list", "--limit", "3", "--case", "case-1")
+    *_, last = cut.stdout.splitlines()
+    assert len(cut.stdout.splitlines()) == 1 + 3
+    assert cut.stderr == f"3 entries, and there are more: --after {last.split(',')[0]}\n"
+    whole = run("list", "--limit", "0", "--case", "case-1")
+    count = len(whole.stdout.splitlines()) - 1
+    assert count > 3
+    assert whole.stderr == ""
+    assert run("list", "--limit", str(count), "--case", "case-1").stderr == ""
+
+
+def test_a_list_of_nothing_says_so(run):
+    assert run("list", "--case", "case-1").stderr == ""
+    assert run("list", "--case", "case").stderr == "no entry fits\n"
+    assert run("export", "--hazard", "H99").stderr == "no entry fits\n"
 
 
 @pytest.mark.parametrize("form", ["jsonl", "csv", "dicom", "fhir"])
