@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
+import httpx
 import sqlalchemy as sa
 from pynetdicom.sop_class import Verification
 
@@ -166,6 +167,11 @@ def _http(settings: Settings) -> Iterable[CheckItem]:
     http = settings.http
     cure = "Name an address of this machine in `http.host`, and a port that this user may open in `http.port`."
     yield item("http_port", _is_here(http.host, http.port), f"{http.host}:{http.port}", "this machine's", "", cure)
+    if http.port and _listens(http.host, http.port):
+        cure = "Another program has the port: end it, or name another one in `http.port`."
+        yield item(
+            "http_service", _is_a_service(http.host, http.port), f"{http.host}:{http.port}", "a service", "", cure
+        )
 
 
 def _dicom(settings: Settings) -> Iterable[CheckItem]:
@@ -200,6 +206,15 @@ def _listens(host: str, port: int) -> bool:
     except OSError:
         return False
     return True
+
+
+def _is_a_service(host: str, port: int) -> bool:
+    """Whether what listens there answers as a service that runs does."""
+    try:
+        answer = httpx.get(f"http://{host}:{port}/api/health/live", timeout=_ASK_S, trust_env=False)
+        return answer.is_success and answer.json().get("status") == "up"
+    except (httpx.HTTPError, ValueError, AttributeError):
+        return False
 
 
 def _is_here(host: str, port: int) -> bool:

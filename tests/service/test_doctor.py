@@ -4,7 +4,10 @@ import json
 import socket
 from collections.abc import Callable
 from datetime import datetime, timedelta
+from http.server import HTTPServer, SimpleHTTPRequestHandler
 from pathlib import Path
+from threading import Thread
+from urllib.parse import urlsplit
 
 import pytest
 from typer.testing import CliRunner
@@ -129,6 +132,17 @@ def test_a_port_in_use_is_taken_for_the_service_that_runs(well):
     with socket.create_server(("127.0.0.1", 0)) as listening:
         dicom = DicomSettings(port=listening.getsockname()[1], accepted_callers=("CARM",))
         assert _failed(_changed(well, dicom=dicom)) == {}
+
+
+def test_a_port_that_another_program_has_is_told_from_the_service_s_own(well, running):
+    with HTTPServer(("127.0.0.1", 0), SimpleHTTPRequestHandler) as other:
+        Thread(target=other.serve_forever, daemon=True).start()
+        failed = _failed(_changed(well, http=HttpSettings(port=other.server_port)))
+        other.shutdown()
+    assert set(failed) == {"http_service"}
+    assert "Another program has the port" in failed["http_service"]
+    own = HttpSettings(port=urlsplit(running.url).port or 0)
+    assert _failed(_changed(well, http=own)) == {}
 
 
 def test_the_command_prints_lines_or_json_and_ends_with_3_where_something_fails(well, monkeypatch):
