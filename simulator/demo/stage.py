@@ -90,8 +90,11 @@ class _Plan:
 def open_stage(folder: Path, http_port: int, truth: Path | None, teller: Teller) -> Iterator[Stage]:
     """Everything up; whatever was started is ended with the block. DemoFailed where something does not come up."""
     plan = _Plan(folder, free_loopback_address(), _free_port(), http_port, truth)
-    (folder / "service").mkdir(parents=True, exist_ok=True)
-    plan.write_settings()
+    try:
+        (folder / "service").mkdir(parents=True, exist_ok=True)
+        plan.write_settings()
+    except OSError as error:
+        raise DemoFailed("folder_refused", f"{error.filename}: {error.strerror}") from error
     people = draw_people()
     with _room(plan) as room:
         with teller.doing("the first users"):

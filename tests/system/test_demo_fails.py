@@ -27,3 +27,11 @@ def test_a_service_that_dies_is_named_and_the_room_is_ended(tmp_path):
         assert demo.process.wait(60) == 1
     assert "service_ended: exit status -9" in demo.err
     assert nothing_answers(demo)
+
+
+def test_a_folder_that_cannot_be_made_is_named_in_one_line(tmp_path):
+    (tmp_path / "file").write_text("taken")
+    with running_demo(tmp_path, "--data", str(tmp_path / "file")) as demo:
+        assert demo.process.wait(30) == 1
+    (line,) = demo.err.splitlines()
+    assert line.startswith(f"failed: room: folder_refused: {tmp_path / 'file'}")
