@@ -6,6 +6,7 @@ from service.auth.permissions import Role
 from service.conductor.unusable import what_to_do
 from service.errors import ErrorCode
 from tests.service.conftest import PIN
+from tests.tablet.conftest import STATUS
 from tests.tablet.tablet import IS_ON_TOP
 from workflow.states import State
 
@@ -117,3 +118,29 @@ def test_evaluations_that_disagree_again_are_told_with_the_way_on_until_there_is
         assert what_to_do(code) in words
     procedure.tell("registration_completed", {})
     refusal.wait_for(state="detached")
+
+
+@pytest.mark.parametrize(
+    ("left", "heading"), [("open", "Choose the target"), ("placed", "Every planned target is done")]
+)
+def test_where_every_planned_target_is_done_closing_the_case_is_offered(procedure, at_the_case, left, heading):
+    def answer_with_two_targets(route):
+        answer = route.fetch()
+        told = answer.json()
+        told["targets"] = {"L3-left": "placed", "L3-right": left}
+        told["allowed"]["case_closed"] |= {"allowed": True, "permitted": True, "reasons": []}
+        route.fulfill(response=answer, json=told)
+
+    procedure.put(State.REGISTERED, target=None, verification=None)
+    tablet = at_the_case()
+    tablet.page.route(STATUS, answer_with_two_targets)
+    tablet.page.reload()
+    tablet.is_at(State.REGISTERED)
+    tablet.page.get_by_role("heading", name=heading).wait_for()
+    closing = tablet.page.locator(".doing").get_by_role("button", name="Close the case")
+    assert closing.count() == (left != "open")
+    if left != "open":
+        tablet.hand.tap(closing)
+        tablet.page.get_by_text("Your PIN signs the case").wait_for()
+        tablet.hand.tap("Cancel")
+    tablet.page.unroute_all(behavior="ignoreErrors")

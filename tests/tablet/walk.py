@@ -214,7 +214,7 @@ class Walk:
         """Signed with the PIN."""
         self.tablet.hand.tap("More", exact=True)
         self.look("more")
-        self.tablet.hand.tap("Close the case")
+        self.tablet.hand.tap(self.tablet.page.locator(".drawer").get_by_role("button", name="Close the case"))
         self.tablet.hand.enter(self.pin)
         self.tablet.is_at("closed")
 

@@ -3,11 +3,11 @@
 import { html } from "../../vendor/preact.js";
 import { t } from "../words.js";
 
-/** @param {{state: string, lead?: string, seen?: any, children?: any}} props */
-export function Screen({ state, lead = t(`do_now.${state}`), seen, children }) {
+/** @param {{state: string, title?: string, lead?: string, seen?: any, children?: any}} props */
+export function Screen({ state, title = t(`state.${state}`), lead = t(`do_now.${state}`), seen, children }) {
   return html`
     <section class="doing" aria-labelledby="screen-title">
-      <h2 id="screen-title">${t(`state.${state}`)}</h2>
+      <h2 id="screen-title">${title}</h2>
       ${lead && html`<p class="lead">${lead}</p>`}
       ${children}
     </section>

@@ -3,9 +3,11 @@
 import { html, useEffect, useRef, useState } from "../../vendor/preact.js";
 import { post, Refused } from "../api.js";
 import { useArtefact } from "../case/artefacts.js";
+import { Closing } from "../case/closing.js";
 import { Viewer } from "../image/viewer.js";
 import { stepInImage } from "../image/view.js";
 import { Action, Figures, Row } from "../parts/controls.js";
+import { askPin } from "../parts/keypad.js";
 import { noteRefusal, room } from "../room/room.js";
 import { number, t, tOr } from "../words.js";
 import { useOverlay } from "./images.js";
@@ -29,9 +31,13 @@ export function Registered({ current, caseId }) {
   const found = useOverlay(caseId, imageId, current.chain);
   const picking = usePicking(caseId, imageId);
   const open = Object.keys(current.targets).filter((name) => current.targets[name] === "open");
+  // What is planned is done: the way on is out, not another point of this image.
+  const isDone = open.length === 0 && Object.keys(current.targets).length > 0;
+  const said = isDone ? { title: t("targets.done"), lead: t("targets.done_now") } : {};
   const [name, setName] = useState(open[0] ?? null);
   const seen = html`<${Viewer} imageId=${imageId} found=${found} picked=${picking.picked} echoed=${picking.echo?.raw_px ?? null} onPick=${picking.pick} onView=${picking.setView} />`;
-  return html`<${Screen} state="registered" seen=${seen}>
+  return html`<${Screen} state="registered" ...${said} seen=${seen}>
+    ${isDone && html`<${Bringing} kinds=${["retreat"]} /><${Closing} onDone=${() => {}} askPin=${askPin} />`}
     <div class="chips" role="group" aria-label=${t("targets.title")}>
       ${open.map((one) => html`<button class="chip" aria-pressed=${one === name} onClick=${() => setName(one)}>${one}</button>`)}
     </div>
@@ -40,7 +46,7 @@ export function Registered({ current, caseId }) {
     ${picking.isSure && html`<${Action} trigger="target_confirmed" icon="check" body=${{ echo_id: picking.echo.echo_id, planned_target: name }}>${t("target.confirm")}<//>`}
     <${Quality} caseId=${caseId} id=${current.chain.registration} />
     <${Retake} />
-    <${Bringing} kinds=${["retreat"]} />
+    ${!isDone && html`<${Bringing} kinds=${["retreat"]} />`}
   <//>`;
 }
 
