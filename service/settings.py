@@ -205,6 +205,8 @@ def load_settings(file: Path | None = None, overrides: Mapping[str, Any] | None 
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         key = ".".join(str(part) for part in first["loc"])
-        raise ServiceError(ErrorCode.SETTINGS_REFUSED, f"setting {key or file}: {first['msg']}") from error
+        wrong = "there is no such setting" if first["type"] == "extra_forbidden" else first["msg"]
+        raise ServiceError(ErrorCode.SETTINGS_REFUSED, f"setting {key or file}: {wrong}") from error
     except ValueError as error:  # the file is not TOML, or an environment variable is not JSON
-        raise ServiceError(ErrorCode.SETTINGS_REFUSED, f"settings cannot be read: {error}") from error
+        named = "" if file is None else f", file {file}"
+        raise ServiceError(ErrorCode.SETTINGS_REFUSED, f"settings{named} cannot be read: {error}") from error

@@ -40,6 +40,13 @@ def test_a_wrong_settings_file_is_refused_and_named(tmp_path, text):
     assert refusal.value.code == ErrorCode.SETTINGS_REFUSED
 
 
+def test_a_misspelt_setting_and_a_file_that_is_no_toml_are_told_in_plain_words(tmp_path):
+    with pytest.raises(ServiceError, match=r"setting limits\.angle_eror_deg: there is no such setting$"):
+        load_settings(_file(tmp_path, "[limits]\nangle_eror_deg = 1.0\n"))
+    with pytest.raises(ServiceError, match=r"coaxial\.toml cannot be read: .*line 1"):
+        load_settings(_file(tmp_path, "room = \n"))
+
+
 @pytest.mark.parametrize(("name", "text"), [("COAXIAL_LIMITS__ANGLE_ERROR_DEG", "90"), ("COAXIAL_LIMITS", "{")])
 def test_a_wrong_environment_is_refused(monkeypatch, name, text):
     monkeypatch.setenv(name, text)
