@@ -8,7 +8,7 @@ from service.errors import ErrorCode
 from tests.service.conftest import PIN
 from tests.tablet.conftest import STATUS
 from tests.tablet.tablet import IS_ON_TOP
-from workflow.states import State
+from workflow.states import GuideState, State
 
 _FACTS = 9
 # An arm that moves, or was stopped, is still at the step that it set out from: of those before it in the test.
@@ -144,3 +144,16 @@ def test_where_every_planned_target_is_done_closing_the_case_is_offered(procedur
         tablet.page.get_by_text("Your PIN signs the case").wait_for()
         tablet.hand.tap("Cancel")
     tablet.page.unroute_all(behavior="ignoreErrors")
+
+
+@pytest.mark.hazard("H35")
+def test_a_hold_is_not_acknowledged_before_somebody_says_what_is_in_the_guide(procedure, allowed_at):
+    tablet = allowed_at(State.MOVED)
+    procedure.put(State.SAFE_HOLD, held_for="stop", guide=GuideState.EMPTY)
+    tablet.is_at(State.SAFE_HOLD)
+    tablet.page.locator(".guide.is-empty").wait_for()
+    chips = tablet.page.locator(".doing .chip")
+    assert tablet.page.locator(".doing .chip[aria-pressed=true]").count() == 0
+    assert tablet.page.get_by_role("button", name="Acknowledge").count() == 0
+    tablet.hand.tap(chips.filter(has_text="empty"))
+    tablet.page.get_by_role("button", name="Acknowledge").wait_for()

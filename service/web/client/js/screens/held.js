@@ -12,7 +12,8 @@ const GUIDE = ["empty", "wire", "instrument"];
 
 /** @param {any} props */
 export function Held({ current }) {
-  const [guide, setGuide] = useState(current.guide === "unknown" ? null : current.guide);
+  // H35: nothing is chosen beforehand, for an answer that stands there already is no look at the guide.
+  const [guide, setGuide] = useState(/** @type {string|null} */ (null));
   // What nobody has said yet is said here; what was said is asked for once more and must agree.
   const say = (/** @type {string} */ one) => {
     setGuide(one);
