@@ -149,7 +149,7 @@ def _value(column: sa.Column[Any], value: Any, archive: Archive, files: Mapping[
         return None
     match column.type:
         case sa.JSON():
-            return json.loads(value)
+            return json.loads(value) if isinstance(value, str) else value  # SQLite keeps a bare number as a number
         case sa.Boolean():
             return bool(value)
         case sa.LargeBinary():

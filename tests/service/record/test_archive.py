@@ -20,6 +20,7 @@ from service.auth.permissions import Role
 from service.cases import store
 from service.cli.audit import audit
 from service.cli.case import case
+from service.database import tables
 from service.database.current import current_database
 from service.images.store import count_images
 from service.ledger.keys import public_file, signing_key
@@ -230,6 +231,12 @@ def test_a_case_crosses_between_kinds_of_database(make_site, elsewhere, postgres
         with current_database(elsewhere) as database:
             assert importing.import_case(database, elsewhere, out, {}) == (there.case_id, True)
             exporting.export_case(database, database.signer, there.case_id, None, out, pseudonymised=False)
+
+
+@pytest.mark.parametrize(("kept", "meant"), [(0.25, 0.25), (120, 120), ("0.25", 0.25), ('"4.1"', "4.1"), ("[1]", [1])])
+def test_a_verdict_s_figure_is_read_from_sqlite_s_number_as_from_postgresql_s_text(kept_archive, kept, meant) -> None:
+    with open_archive(kept_archive) as archive:
+        assert importing._value(tables.verdicts.c.measured, kept, archive, {}) == meant
 
 
 def test_importing_twice_changes_nothing(kept_archive, elsewhere) -> None:
