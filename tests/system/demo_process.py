@@ -20,7 +20,8 @@ class Demo:
 
     def __init__(self, folder: Path, *arguments: str) -> None:
         self._folder = folder
-        command = [_COAXIAL, "demo", "--data", str(folder / "data"), *arguments]
+        self.data = folder / "data"
+        command = [_COAXIAL, "demo", "--data", str(self.data), *arguments]
         with (folder / "out").open("wb") as out, (folder / "err").open("wb") as err:
             self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=err)
 
@@ -49,6 +50,13 @@ class Demo:
     def end(self, number: signal.Signals, within_s: float = 60.0) -> int:
         self.process.send_signal(number)
         return self.process.wait(within_s)
+
+
+def coaxial(*arguments: object) -> str:
+    """What a command of the program says on standard output; it succeeds."""
+    done = subprocess.run([_COAXIAL, *map(str, arguments)], capture_output=True, text=True, timeout=180)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
 
 
 @contextmanager

@@ -21,7 +21,8 @@ from service import vision_jobs
 from service.auth.permissions import Role
 from service.auth.users import UserStore
 from service.cases import store
-from service.cases.records import NewEvent
+from service.cases.attempts import record_attempt
+from service.cases.records import NewAttempt, NewEvent, NewVerdict
 from service.database.current import current_database
 from service.settings import Settings
 from workflow.states import State
@@ -76,11 +77,31 @@ def make_site(results: recorded_cases.Results) -> Callable[..., Site]:
                 case_id = recorded_cases.record(database, settings, surgeon.id, results, state)
             with database.write() as connection:  # an entry behind the signature of the closing
                 last = store.newest_event(connection, case_id)
+                record_attempt(connection, _refused_motion(case_id, surgeon.id, last.state))
                 note = NewEvent("note", surgeon.id, last.state, last.case_state, {"text": "seen"}, changes_state=False)
                 store.append(connection, case_id, note, expected_version=None)
         return Site(folder, case_id)
 
     return make
+
+
+# A figure of each kind that interlocks measure: whole, true, text, none; and one that SQLite keeps as its neighbour.
+FIGURES: tuple[tuple[Any, Any], ...] = (
+    (0.25, 0.3),
+    (120.0, 120),
+    (False, True),
+    ("4.1", "5.0"),
+    (None, None),
+    (-0.04341816603136937, 0.30000000000000004),
+)
+
+
+def _refused_motion(case_id: str, user_id: str, state: str) -> NewAttempt:
+    verdicts = tuple(
+        NewVerdict(f"interlock_{number}", "H04", False, measured, limit, "mm", "measured")
+        for number, (measured, limit) in enumerate(FIGURES)
+    )
+    return NewAttempt(case_id, user_id, "approved", False, "interlock", "refused", state, verdicts)
 
 
 _ANSWERS: dict[bytes, Any] = {}

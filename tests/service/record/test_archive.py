@@ -20,7 +20,6 @@ from service.auth.permissions import Role
 from service.cases import store
 from service.cli.audit import audit
 from service.cli.case import case
-from service.database import tables
 from service.database.current import current_database
 from service.images.store import count_images
 from service.ledger.keys import public_file, signing_key
@@ -217,26 +216,6 @@ def test_a_case_comes_back_elsewhere_with_its_ids_and_replays_equal(kept_archive
             assert count_images(connection) == 2  # that arrived here; the imported ones did not
     again = _export(folder, kept_site.case_id, folder / "again.zip")
     assert check_file(again, {}).findings == []
-
-
-def test_a_case_crosses_between_kinds_of_database(make_site, elsewhere, postgresql, tmp_path) -> None:
-    with postgresql.migrated(tmp_path) as address:
-        there = make_site(tmp_path / "there", State.CLOSED, database_url=address)
-        settings = there.settings.model_copy(update={"database_url": address})
-        with current_database(settings) as database:
-            out = tmp_path / "case.zip"
-            exporting.export_case(database, database.signer, there.case_id, None, out, pseudonymised=False)
-            assert check_file(out, {}).findings == []
-            assert importing.import_case(database, settings, out, {}) == (there.case_id, False)
-        with current_database(elsewhere) as database:
-            assert importing.import_case(database, elsewhere, out, {}) == (there.case_id, True)
-            exporting.export_case(database, database.signer, there.case_id, None, out, pseudonymised=False)
-
-
-@pytest.mark.parametrize(("kept", "meant"), [(0.25, 0.25), (120, 120), ("0.25", 0.25), ('"4.1"', "4.1"), ("[1]", [1])])
-def test_a_verdict_s_figure_is_read_from_sqlite_s_number_as_from_postgresql_s_text(kept_archive, kept, meant) -> None:
-    with open_archive(kept_archive) as archive:
-        assert importing._value(tables.verdicts.c.measured, kept, archive, {}) == meant
 
 
 def test_importing_twice_changes_nothing(kept_archive, elsewhere) -> None:
