@@ -10,7 +10,7 @@ from simulator.demo.command import demo
 
 __all__ = ["demo", "simulate"]
 
-simulate = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+simulate = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 
 _USAGE = 2
 _DEFAULT_ARM = "127.0.1.10"  # a controller's three ports are fixed, so that each needs an address of its own

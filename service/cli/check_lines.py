@@ -12,5 +12,6 @@ def tell(items: Iterable[Item]) -> None:
     """A line for each item."""
     for one in items:
         measured = f"{one['measured']:.3g}" if isinstance(one["measured"], float) else one["measured"]
-        line = f"{'ok  ' if one['passed'] else 'FAIL'}  {one['code']}: {measured} (limit {one['limit']}) {one['unit']}"
+        limit = "" if one["limit"] is None else f" (limit {one['limit']})"
+        line = f"{'ok  ' if one['passed'] else 'FAIL'}  {one['code']}: {measured}{limit} {one['unit']}"
         typer.echo(line.rstrip() + (f". {one['what_to_do']}" if one["what_to_do"] else ""))

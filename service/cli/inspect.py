@@ -42,19 +42,22 @@ def inspect_command(
 
     guide_file, carm_file = read_device(guide, read_guide), read_device(carm, read_carm)
     entries: list[Entry] = []
-    for number, path in enumerate(images, 1):
-        identity, image = read_image(path, frame)
-        if isinstance(image, Refusal):
-            print_refusal(image, identity)
-            entries.append(_refused(path, image))
-            continue
-        findings = examine(image, guide_file, carm_file)
-        inspection = inspect_findings(image, guide_file, carm_file, findings, target, PixelSpace(space), depth_mm)
-        picture = f"{number:03d}-{path.stem}.png"
-        write_file(out / picture, png(draw(inspection)))
-        print_line(_to_json(inspection) | {"image": identity, "picture": picture})
-        entries.append(replace(_entry(path, inspection), picture=picture))
-    write_file(out / "index.html", page(entries).encode())
+    try:
+        for number, path in enumerate(images, 1):
+            identity, image = read_image(path, frame)
+            if isinstance(image, Refusal):
+                print_refusal(image, identity)
+                entries.append(_refused(path, image))
+                continue
+            findings = examine(image, guide_file, carm_file)
+            inspection = inspect_findings(image, guide_file, carm_file, findings, target, PixelSpace(space), depth_mm)
+            picture = f"{number:03d}-{path.stem}.png"
+            write_file(out / picture, png(draw(inspection)))
+            print_line(_to_json(inspection) | {"image": identity, "picture": picture})
+            entries.append(replace(_entry(path, inspection), picture=picture))
+    finally:  # what was drawn until a file is missing or the command is interrupted is on the page
+        if entries:
+            write_file(out / "index.html", page(entries).encode())
 
 
 def _to_json(inspection: "Inspection") -> dict[str, Any]:

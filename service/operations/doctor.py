@@ -138,7 +138,9 @@ def _opened(database: Database) -> Iterable[CheckItem]:
         cure = "Set the clock: the newest record is later than now. Ages and order do not rely on it, dates do."
         yield item("clock_after_record", ahead_s <= _CLOCK_APART_S, max(ahead_s, 0.0), _CLOCK_APART_S, "s", cure)
     surgeons = sum(user.role is Role.SURGEON for user in UserStore(database).list())
-    yield item("surgeons", surgeons > 0, float(surgeons), 1.0, "", "Add one: `coaxial user add NAME --role surgeon`.")
+    yield item(
+        "surgeons", surgeons > 0, str(surgeons), "1 or more", "", "Add one: `coaxial user add NAME --role surgeon`."
+    )
     with database.read() as connection:
         yield from device_items(connection)
 
@@ -166,8 +168,9 @@ def _arm(settings: Settings) -> Iterable[CheckItem]:
 def _http(settings: Settings) -> Iterable[CheckItem]:
     http = settings.http
     cure = "Name an address of this machine in `http.host`, and a port that this user may open in `http.port`."
-    yield item("http_port", _is_here(http.host, http.port), f"{http.host}:{http.port}", "this machine's", "", cure)
-    if http.port and _listens(http.host, http.port):
+    here = _is_here(http.host, http.port)
+    yield item("http_port", here, f"{http.host}:{http.port}", "this machine's", "", cure)
+    if here and http.port and _listens(http.host, http.port):
         cure = "Another program has the port: end it, or name another one in `http.port`."
         yield item(
             "http_service", _is_a_service(http.host, http.port), f"{http.host}:{http.port}", "a service", "", cure
@@ -182,6 +185,11 @@ def _dicom(settings: Settings) -> Iterable[CheckItem]:
     here = _is_here(dicom.host, dicom.port)
     cure = "Name an address of this machine in `dicom.host`, and a port that this user may open in `dicom.port`."
     yield item("dicom_port", here, f"{dicom.host}:{dicom.port}", "this machine's", "", cure)
+    if here and callers and dicom.port and _listens(dicom.host, dicom.port):
+        cure = "Another program has the port: end it, or name another one in `dicom.port`."
+        receiver = PeerSettings(host=dicom.host, port=dicom.port, ae_title=dicom.ae_title)
+        answers = _echoes(receiver, dicom.accepted_callers[0])
+        yield item("dicom_service", answers, f"{dicom.host}:{dicom.port}", "a service", "", cure)
 
 
 def _peers(settings: Settings) -> Iterable[CheckItem]:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-demo = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+demo = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 
 PedicleOption = Annotated[
     list[str] | None,
@@ -16,7 +16,10 @@ PedicleOption = Annotated[
     ),
 ]
 DataOption = Annotated[
-    Path | None, typer.Option("--data", help="Folder for the database and the logs. [default: a new temporary one]")
+    Path | None,
+    typer.Option(
+        "--data", help="An empty folder for the database and the logs. [default: a new temporary one; both are kept]"
+    ),
 ]
 PortOption = Annotated[int, typer.Option("--port", min=0, max=65535, help="Port of the service; 0 takes a free one.")]
 StayOption = Annotated[

@@ -90,6 +90,10 @@ class _Plan:
 def open_stage(folder: Path, http_port: int, truth: Path | None, teller: Teller) -> Iterator[Stage]:
     """Everything up; whatever was started is ended with the block. DemoFailed where something does not come up."""
     plan = _Plan(folder, free_loopback_address(), _free_port(), http_port, truth)
+    if plan.settings.exists():
+        raise DemoFailed(
+            "folder_used", f"{folder} has the record of another run, whose secrets are gone: name a new one"
+        )
     try:
         (folder / "service").mkdir(parents=True, exist_ok=True)
         plan.write_settings()

@@ -1,7 +1,6 @@
 """`coaxial doctor`: what is well passes, what is not says what to do, and looking changes nothing."""
 
 import json
-import socket
 from collections.abc import Callable
 from datetime import datetime, timedelta
 from http.server import HTTPServer, SimpleHTTPRequestHandler
@@ -15,6 +14,8 @@ from typer.testing import CliRunner
 from service.auth.permissions import Role
 from service.cli.doctor import doctor
 from service.devices.store import DeviceKind, add_device
+from service.images.arrivals import ImageArrivals
+from service.images.receiver import DicomReceiver
 from service.ledger.keys import signing_key
 from service.operations.doctor import examine
 from service.settings import AuditSettings, DicomSettings, HttpSettings, PeerSettings, Settings
@@ -128,10 +129,16 @@ def test_a_room_without_users_or_device_files_says_so(tmp_path, database):
     assert {"surgeons", "device_unknown"} <= _failed(settings).keys()
 
 
-def test_a_port_in_use_is_taken_for_the_service_that_runs(well):
-    with socket.create_server(("127.0.0.1", 0)) as listening:
-        dicom = DicomSettings(port=listening.getsockname()[1], accepted_callers=("CARM",))
-        assert _failed(_changed(well, dicom=dicom)) == {}
+def test_a_dicom_port_that_another_program_has_is_told_from_the_service_s_own(well, database):
+    own = DicomReceiver(well.dicom, database, ImageArrivals(), lambda: None)
+    with own.listening() as port:
+        assert _failed(_changed(well, dicom=well.dicom.model_copy(update={"port": port}))) == {}
+    with HTTPServer(("127.0.0.1", 0), SimpleHTTPRequestHandler) as other:
+        Thread(target=other.serve_forever, daemon=True).start()
+        failed = _failed(_changed(well, dicom=well.dicom.model_copy(update={"port": other.server_port})))
+        other.shutdown()
+    assert set(failed) == {"dicom_service"}
+    assert "Another program has the port" in failed["dicom_service"]
 
 
 def test_a_port_that_another_program_has_is_told_from_the_service_s_own(well, running):
@@ -151,6 +158,7 @@ def test_the_command_prints_lines_or_json_and_ends_with_3_where_something_fails(
     lines = CliRunner().invoke(doctor, ["--data-folder", str(well.data_folder)])
     assert lines.exit_code == 3
     assert "FAIL  disk_free" in lines.output
+    assert "limit None" not in lines.output
     told = json.loads(CliRunner().invoke(doctor, ["--data-folder", str(well.data_folder), "--json"]).output)
     assert told["passed"] is False
     assert {"code", "passed", "measured", "limit", "unit", "what_to_do"} == told["items"][0].keys()

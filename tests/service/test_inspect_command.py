@@ -77,3 +77,14 @@ def test_a_folder_that_cannot_be_made_ends_with_one_line(folder: Path, tmp_path:
     result = run(folder, tmp_path / "file" / "out")
     assert result.exit_code == 2
     assert len(result.stderr.splitlines()) == 1
+
+
+def test_what_was_drawn_before_a_missing_file_is_on_the_page(folder: Path, tmp_path: Path) -> None:
+    names = [str(folder / name) for name in ("image.png", "none.png", "flipped.png")]
+    devices = ["--guide", str(_DEVICES / "guide.toml"), "--carm", str(_DEVICES / "flat-panel.toml")]
+    result = CliRunner().invoke(app, ["inspect", *names, *devices, "--out", str(tmp_path)])
+    assert result.exit_code == 2
+    assert "none.png" in result.stderr
+    words = Reading((tmp_path / "index.html").read_text()).words
+    assert "registered" in words
+    assert "mirrored" not in words
