@@ -9,16 +9,15 @@ from importlib.metadata import entry_points
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
-from service.cli.plain import plain_typer
+from service.cli.plain import PlainGroup, plain_typer
 from service.cores import use_one_core_for_algebra
 from service.version import PRODUCT_VERSION
 
 _GROUP = "coaxial.commands"
 
 
-class LazyCommands(TyperGroup):
+class LazyCommands(PlainGroup):
     """A command group whose members are resolved by entry point at call time."""
 
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002  # the base class passes it

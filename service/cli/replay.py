@@ -95,7 +95,8 @@ def _run(replays: "Iterable[CaseReplay]", cases: int) -> _Totals:
             _tell(one)
     took_s = max(time.monotonic() - started_s, 1e-3)
     rate = f"{took_s:.1f} s, {totals.results / took_s:.2f} results a second"
-    found = f"{totals.differences} differences" if totals.differences else "all equal"
+    equal = "all equal" if totals.results else "there is nothing to compute anew"
+    found = f"{totals.differences} differences" if totals.differences else equal
     typer.echo(f"{totals.cases} cases, {totals.results} results in {rate}: {found}")
     return totals
 

@@ -264,6 +264,14 @@ def test_help_names_every_option_and_exits_with_0(command: str) -> None:
     assert "--help" in result.stdout
 
 
+@pytest.mark.parametrize("group", [(), ("audit",), ("case",), ("db",)])
+def test_help_tells_every_first_sentence_whole(group: tuple[str, ...]) -> None:
+    result = run(*group, "--help")
+    assert result.exit_code == 0
+    assert "Commands:" in result.stdout
+    assert "..." not in result.stdout.partition("Commands:")[2]
+
+
 def test_the_version_is_told_as_records_name_it() -> None:
     result = run("--version")
     assert (result.exit_code, result.stdout) == (0, f"coaxial {PRODUCT_VERSION}\n")

@@ -10,6 +10,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from service.cli.audit import audit
+from service.database.engines import open_database
+from service.database.migrate import migrate
 from service.replay import crews
 from service.replay.comparing import differences
 from service.replay.crews import on_this_machine
@@ -43,6 +45,15 @@ def test_an_untouched_case_is_equal_in_every_result(replayed, site) -> None:
         kept = connection.execute("SELECT data FROM audit_events WHERE kind = 'record_replayed'").fetchone()[0]
     connection.close()
     assert json.loads(kept) == {"cases": site.case_id, "results": _RESULTS, "differences": 0}
+
+
+def test_of_a_record_without_cases_nothing_is_said_to_be_equal(tmp_path) -> None:
+    database = open_database(f"sqlite:///{tmp_path / 'coaxial.sqlite'}")
+    migrate(database)
+    database.close()
+    result = CliRunner().invoke(audit, ["replay", "--all", "--data-folder", str(tmp_path)])
+    assert "nothing to compute anew" in result.stdout, result.output
+    assert "all equal" not in result.stdout
 
 
 def _nudge(matrix: list[list[float]]) -> None:
