@@ -74,6 +74,7 @@ class ErrorCode(StrEnum):
     BACKUP_REFUSED = "backup_refused"
     LEDGER_BROKEN = "ledger_broken"
     KEY_REFUSED = "key_refused"
+    KEY_MISSING = "key_missing"
     ROOM_CLAIMED = "room_claimed"
     EXTRA_MISSING = "extra_missing"
     PEER_UNREACHABLE = "peer_unreachable"
@@ -221,6 +222,11 @@ ANSWERS: dict[str, Answer] = {
     ),
     ErrorCode.KEY_REFUSED: Answer(
         500, "Name the right file, and give a private key to the service's user alone (mode 0600)."
+    ),
+    ErrorCode.KEY_MISSING: Answer(
+        500,
+        "Bring that file and its .pub back from where the record was signed; if they are lost, or this workstation"
+        " is new to the record, `coaxial audit key --new` makes a key: it vouches for what follows, not for the past.",
     ),
     ErrorCode.ROOM_CLAIMED: Answer(409, "Stop the other service of this room, or give this one a room of its own."),
     ErrorCode.PEER_UNREACHABLE: Answer(502, "Check the peer's address and AE title in the settings, and its own log."),

@@ -13,7 +13,6 @@ from service.auth.dependencies import require
 from service.auth.permissions import Permission
 from service.auth.session import Session
 from service.errors import ErrorCode
-from service.ledger.keys import signing_key
 from service.openapi import may_fail_with
 from service.parts import Parts, parts_of
 
@@ -32,11 +31,13 @@ def read_archive(
     pseudonymise: bool = False,
 ) -> FileResponse:
     """Everything that was recorded of a case, with its proof, as `coaxial case export` writes it."""
+    signer = parts.database.signer
+    if signer is None:
+        raise AssertionError("a service without a key would sign no archive")
     with tempfile.NamedTemporaryFile(prefix="coaxial-", suffix=".zip", delete=False) as file:
         out = Path(file.name)
     remove = BackgroundTask(out.unlink, missing_ok=True)
     try:
-        signer = signing_key(parts.settings.key_file)
         export_case(parts.database, signer, case_id, session.user_id, out, pseudonymised=pseudonymise)
     except BaseException:
         out.unlink(missing_ok=True)

@@ -51,14 +51,23 @@ def audits() -> None:
 
 
 @audit.command()
-def key(config: ConfigOption = None, data_folder: DataFolderOption = None) -> None:
-    """Print the public key, made where there is none: keep it outside this machine, and verify with it."""
-    from service.ledger.keys import signing_key
+def key(
+    new: Annotated[
+        bool, typer.Option("--new", help="Make one where there is none, though the record was signed with another.")
+    ] = False,
+    config: ConfigOption = None,
+    data_folder: DataFolderOption = None,
+) -> None:
+    """Print the public key: keep it outside this machine, and verify with it."""
+    from service.errors import ErrorCode, ServiceError
+    from service.ledger.keys import kept_key, signing_key
 
     with site_settings(config, data_folder) as settings:
-        verifier = signing_key(settings.key_file).verifier
-        typer.echo(f"private key: {settings.key_file}\npublic key, SHA-256 {verifier.name}:", err=True)
-        typer.echo(verifier.pem, nl=False)
+        signer = signing_key(settings.key_file) if new else kept_key(settings.key_file)
+        if signer is None:
+            raise ServiceError(ErrorCode.KEY_MISSING, f"there is no key {settings.key_file}")
+        typer.echo(f"private key: {settings.key_file}\npublic key, SHA-256 {signer.verifier.name}:", err=True)
+        typer.echo(signer.verifier.pem, nl=False)
 
 
 def _add_printing(name: str, usual_limit: int, usual_form: FormatOption, purpose: str) -> None:

@@ -72,12 +72,14 @@ def export_one(
 ) -> None:
     """Write everything that was recorded of a case, with its proof; the same case gives the same file."""
     from service.archive.exporting import export_case
-    from service.database.current import present_database
+    from service.database.current import check_present, current_database
     from service.ledger.keys import signing_key
 
-    with site_settings(config, data_folder) as settings, present_database(settings) as database:
-        signer = signing_key(settings.key_file)
-        export_case(database, signer, case_id, None, out, pseudonymised=pseudonymise)
+    with site_settings(config, data_folder) as settings:
+        check_present(settings)
+        with current_database(settings) as database:
+            signer = signing_key(settings.key_file)
+            export_case(database, signer, case_id, None, out, pseudonymised=pseudonymise)
     typer.echo(f"{out}: signed by key {signer.verifier.name}")
 
 

@@ -23,11 +23,11 @@ def upgrade(
     data_folder: DataFolderOption = None,
 ) -> None:
     """Bring the schema up to date in one transaction; nothing of the record is lost or changed."""
-    from service.database.current import current_database
+    from service.database.current import keyless_database
     from service.database.migrate import version_of
     from service.database.rights import grant_rights
 
-    with site_settings(config, data_folder) as settings, current_database(settings) as database:
+    with site_settings(config, data_folder) as settings, keyless_database(settings) as database:
         if role is not None:
             with database.write() as connection:
                 grant_rights(connection, role)

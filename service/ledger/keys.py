@@ -63,14 +63,22 @@ class Signer:
 def signing_key(file: Path) -> Signer:
     """The key in `file`, made where there is none; ServiceError KEY_REFUSED, as where others may read it."""
     try:
+        if not file.exists():
+            _make_key(file)
         return _private_key(file)
     except OSError as error:
         raise _unreadable(file, error) from error
 
 
+def kept_key(file: Path) -> Signer | None:
+    """The same, none made."""
+    try:
+        return _private_key(file) if file.exists() else None
+    except OSError as error:
+        raise _unreadable(file, error) from error
+
+
 def _private_key(file: Path) -> Signer:
-    if not file.exists():
-        _make_key(file)
     owner, mode = file.stat().st_uid, stat.S_IMODE(file.stat().st_mode)
     if owner != os.geteuid() or mode & _OTHERS:
         raise ServiceError(

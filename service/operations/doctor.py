@@ -91,7 +91,7 @@ def _clock(_: Settings) -> Iterable[CheckItem]:
 def _key(settings: Settings) -> Iterable[CheckItem]:
     if not settings.key_file.exists():
         cure = (
-            "Start the service once, which makes it; or bring the room's own key back: another one vouches for no past."
+            "Bring the room's own key back: another one vouches for no past. Where there was none, the start makes it."
         )
         yield item("signing_key", False, str(settings.key_file), "a key", "", cure)
         return

@@ -9,6 +9,7 @@ from coaxial_client import Coaxial, Refused
 from service.database.engines import open_database
 from service.database.room_claim import room_claim
 from service.errors import ErrorCode, ServiceError
+from service.ledger.keys import signing_key
 from service.ledger.verifying import verify
 from service.settings import DicomSettings, HttpSettings, Settings
 
@@ -61,6 +62,7 @@ def rooms(postgresql, tmp_path, serving, device_files):
             folder.mkdir()
             ports = {"http": HttpSettings(port=0), "dicom": DicomSettings(port=0)}
             settings = Settings(room=room, data_folder=folder, database_url=address, min_free_bytes=0, **ports)
+            signing_key(settings.key_file)  # `coaxial audit key --new`: the second of a record that another one signs
             service = stack.enter_context(serving(settings))
             client = stack.enter_context(Coaxial(service.url))
             client.sign_in("surgeon", "correct horse")

@@ -40,7 +40,8 @@ def run(tmp_path, monkeypatch):
         ("audit list --data-folder file", "database_fault"),
         ("db upgrade --data-folder file/below", "settings_refused"),
         ("db restore file --data-folder file", "settings_refused"),
-        ("audit key --data-folder file", "key_refused"),
+        ("audit key --data-folder file", "key_missing"),
+        ("audit key --new --data-folder file", "key_refused"),
         ("audit verify --data-folder folder", "key_refused"),
         ("audit verify --data-folder folder --public-key folder", "key_refused"),
         ("case verify none", "archive_refused"),
@@ -68,7 +69,7 @@ def test_what_cannot_be_used_is_refused_in_one_line(run, command, code):
     ],
 )
 def test_a_mistyped_folder_is_refused_and_gets_no_database(run, tmp_path, command):
-    run("audit", "key", "--data-folder", "folder")
+    run("audit", "key", "--new", "--data-folder", "folder")
     here = sorted((tmp_path / "folder").rglob("*"))
     refused = run(*command.split(), "--data-folder", "folder")
     assert refused.exit_code != 0
@@ -84,7 +85,7 @@ def test_restoring_from_no_file_makes_no_database_that_passes_for_the_room_s(run
 
 
 def test_verifying_says_that_a_database_is_older_and_leaves_it_so(run, tmp_path):
-    run("audit", "key", "--data-folder", "folder")
+    run("audit", "key", "--new", "--data-folder", "folder")
     settings = Settings(data_folder=tmp_path / "folder")
     with sqlite3.connect(tmp_path / "folder" / "coaxial.sqlite") as old:
         old.executescript((Path(__file__).parent / "released" / "0001.sqlite.sql").read_text())

@@ -48,7 +48,7 @@ def test_a_key_kept_elsewhere_verifies_and_another_does_not(run, folder, tmp_pat
     kept = tmp_path / "kept.pem"
     kept.write_text(run("key").stdout)
     assert run("verify", "--workers", "1", "--public-key", str(kept)).exit_code == 0
-    other = CliRunner().invoke(audit, ["key", "--data-folder", str(tmp_path / "other")])
+    other = CliRunner().invoke(audit, ["key", "--new", "--data-folder", str(tmp_path / "other")])
     kept.write_text(other.stdout)
     result = run("verify", "--workers", "1", "--public-key", str(kept))
     assert result.exit_code == 1
