@@ -68,6 +68,7 @@ class ErrorCode(StrEnum):
     DEVICE_EXPIRED = "device_expired"
     DISK_FULL = "disk_full"
     DATABASE_FAULT = "database_fault"
+    DATABASE_MISSING = "database_missing"
     DATABASE_BUSY = "database_busy"
     SCHEMA_UNKNOWN = "schema_unknown"
     SCHEMA_OLD = "schema_old"
@@ -208,6 +209,10 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.DEVICE_EXPIRED: Answer(409, "Calibrate the device and upload its new file."),
     ErrorCode.DISK_FULL: Answer(507, "Free space on the data folder's disk; stop still works."),
     ErrorCode.DATABASE_FAULT: Answer(503, "Check the disk and the database; nothing was changed. Stop still works."),
+    ErrorCode.DATABASE_MISSING: Answer(
+        503,
+        "Name the folder with --data-folder or --config; a new record begins with its first user, `coaxial user add`.",
+    ),
     ErrorCode.DATABASE_BUSY: Answer(503, "Try again in a moment; nothing was changed."),
     ErrorCode.SCHEMA_UNKNOWN: Answer(503, "Start the version that wrote the database, or a newer one."),
     ErrorCode.SCHEMA_OLD: Answer(

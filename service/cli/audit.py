@@ -157,16 +157,14 @@ def verify(
     from service.database.current import check_present
     from service.database.engines import open_database
     from service.database.migrate import check_current
-    from service.ledger.keys import public_file
     from service.ledger.verifying import verify as verify_ledger
 
     with site_settings(config, data_folder) as settings:
-        verifiers = _verifiers(public_key or [public_file(settings.key_file)])
         check_present(settings)
         database = open_database(settings.database_url)
-        started_s = time.monotonic()
         try:
             check_current(database)
+            verifiers, started_s = _verifiers(settings, public_key), time.monotonic()
             found = verify_ledger(database, verifiers, anchor or settings.anchor_file, workers, _progress)
         finally:
             database.close()
@@ -176,10 +174,14 @@ def verify(
         raise typer.Exit(_FOUND)
 
 
-def _verifiers(files: list[Path]) -> "dict[str, Verifier]":
-    from service.ledger.keys import public_key
+def _verifiers(settings: "Settings", named: list[Path] | None) -> "dict[str, Verifier]":
+    from service.errors import ErrorCode, ServiceError
+    from service.ledger.keys import public_file, public_key
 
-    verifiers = [public_key(file) for file in files]
+    own = public_file(settings.key_file)
+    if not named and not own.is_file():
+        raise ServiceError(ErrorCode.KEY_MISSING, f"{own} is not here: verify with the one that you kept, --public-key")
+    verifiers = [public_key(file) for file in named or [own]]
     return {verifier.name: verifier for verifier in verifiers}
 
 

@@ -32,7 +32,7 @@ def current_database(settings: Settings) -> Iterator[Database]:
 
 @contextmanager
 def present_database(settings: Settings) -> Iterator[Database]:
-    """As `keyless_database`, for what reads what is there: ServiceError DATABASE_FAULT where nothing is, none made."""
+    """As `keyless_database`, for what reads what is there; ServiceError DATABASE_MISSING, and nothing is made."""
     check_present(settings)
     with keyless_database(settings) as database:
         yield database
@@ -79,13 +79,13 @@ def _check_unsigned(settings: Settings, database: Database) -> None:
 
 @contextmanager
 def database_as_it_is(settings: Settings) -> Iterator[Database]:
-    """The database with whatever schema it has, none made and none changed; ServiceError DATABASE_FAULT without one."""
+    """The database with whatever schema it has, none made and none changed; ServiceError DATABASE_MISSING."""
     check_present(settings)
     signer = kept_key(settings.key_file)
     database = open_database(settings.database_url, signer)
     try:
         if version_of(database) is None:
-            raise ServiceError(ErrorCode.DATABASE_FAULT, "the database is empty")
+            raise ServiceError(ErrorCode.DATABASE_MISSING, "the database is empty")
         yield database
         if signer is not None and is_current(database):
             advance_anchor(database, settings.anchor_file, signer)
@@ -94,11 +94,11 @@ def database_as_it_is(settings: Settings) -> Iterator[Database]:
 
 
 def check_present(settings: Settings) -> None:
-    """ServiceError DATABASE_FAULT where the settings name a file that is not there: opening it would make it."""
+    """ServiceError DATABASE_MISSING where the settings name a file that is not there: opening it would make it."""
     address = sa.make_url(settings.database_url)
     if address.get_backend_name() == "sqlite" and not Path(str(address.database)).is_file():
         raise ServiceError(
-            ErrorCode.DATABASE_FAULT, f"there is no database {address.database}: is the data folder the one meant?"
+            ErrorCode.DATABASE_MISSING, f"there is no database {address.database}: is the data folder the one meant?"
         )
 
 

@@ -60,10 +60,10 @@ def is_current(database: Database) -> bool:
 
 
 def check_current(database: Database) -> None:
-    """For what changes nothing, the schema neither: ServiceError SCHEMA_OLD or SCHEMA_UNKNOWN where it is another."""
+    """For what changes nothing, the schema neither: ServiceError SCHEMA_OLD, SCHEMA_UNKNOWN, DATABASE_MISSING."""
     version = version_of(database)
     if version is None:
-        raise ServiceError(ErrorCode.DATABASE_FAULT, "the database is empty")
+        raise ServiceError(ErrorCode.DATABASE_MISSING, "the database is empty")
     if version == newest_version():
         return
     is_older = version in {script.revision for script in ScriptDirectory.from_config(_config()).walk_revisions()}

@@ -81,7 +81,7 @@ def test_a_backup_is_its_owner_s_alone_and_none_is_made_of_nothing(run, address,
     other.mkdir()
     with databases.empty(other) as empty:
         nothing = run(empty, "backup", str(tmp_path / "of-nothing"))
-    assert (nothing.exit_code, nothing.stderr.split(":")[0]) == (3, ErrorCode.DATABASE_FAULT)
+    assert (nothing.exit_code, nothing.stderr.split(":")[0]) == (3, ErrorCode.DATABASE_MISSING)
     assert not (tmp_path / "of-nothing").exists()
 
 

@@ -59,6 +59,15 @@ def test_commands_that_read_make_no_key_and_the_record_stays_sound(run, settings
     assert not settings.key_file.exists()
 
 
+def test_verifying_without_any_key_names_the_one_that_is_missing(run, settings):
+    refused = run("audit", "verify", "--workers", "1")
+    assert (refused.exit_code, refused.stderr.split(":")[0]) == (3, ErrorCode.KEY_MISSING)
+    assert f"{settings.key_file.with_suffix('.pub')} is not here" in refused.stderr
+    assert "--public-key" in refused.stderr
+    unreadable = run("audit", "verify", "--workers", "1", "--public-key", settings.data_folder)
+    assert unreadable.stderr.split(":")[0] == ErrorCode.KEY_REFUSED
+
+
 @pytest.mark.parametrize("words", SIGNING, ids=lambda words: words[0])
 def test_a_command_that_signs_names_the_file_that_is_missing_and_makes_none(run, settings, words):
     refused = run(*words)
