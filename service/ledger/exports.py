@@ -33,7 +33,10 @@ _COLUMNS = (
     "refused_by",
     "artefacts",
     "sha256",
+    "about",
 )
+# What of an entry's payload has a column of its own, or says the same as one.
+_TOLD = ("accepted", "code", "message", "refused_by")
 # A spreadsheet would run a cell that begins so.
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
@@ -120,8 +123,18 @@ def _json_line(entry: dict[str, Any], _: Subject | None) -> str:
 
 
 def _csv_entry(entry: dict[str, Any], _: Subject | None) -> str:
-    flat = entry["payload"] | entry
+    flat = entry["payload"] | entry | {"about": _about(entry["payload"])}
     return _csv_line([_cell(flat.get(name)) for name in _COLUMNS])
+
+
+def _about(payload: dict[str, Any]) -> list[str]:
+    """What an entry says of its object, as `name=berta role=surgeon`; what is nested is left to JSON Lines."""
+    told = {name: one for name, one in payload.items() if name not in _TOLD and not isinstance(one, dict)}
+    return [f"{name}={_joined(one)}" for name, one in sorted(told.items()) if one is not None]
+
+
+def _joined(value: Any) -> str:
+    return ",".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
 def _cell(value: Any) -> str:

@@ -8,8 +8,10 @@ import pytest
 
 from service.audit import record_audit
 from service.auth.permissions import Role
+from service.auth.users import UserStore
 from service.ledger.exports import ExportFormat, export
 from service.ledger.listing import Wanted, page
+from tests.service.conftest import CHEAP_HASHER
 
 
 @pytest.fixture
@@ -74,6 +76,25 @@ def test_exports_hold_every_entry_and_run_no_formula(database):
     rows = list(csv.DictReader(io.StringIO("".join(export(database, Wanted(), ExportFormat.CSV)))))
     assert [row["sha256"] for row in rows] == [entry["sha256"] for entry in whole]
     assert (rows[-1]["action"], rows[-1]["message"]) == ("'=cmd()", "'@now")
+
+
+def test_a_table_says_whom_and_what_each_entry_is_about(database):
+    users = UserStore(database, CHEAP_HASHER)
+    users.add("berta", Role.OPERATOR, "correct horse", "2468")
+    users.disable("berta")
+    with database.write() as connection:
+        record_audit(connection, "objects_queued", None, {"objects": ["1.2", "1.3"], "code": "x", "none": None})
+    with database.write() as connection:
+        record_audit(connection, "log_read", None, {"what": "audit", "asked": {"after": 0}})
+    text = "".join(export(database, Wanted(), ExportFormat.CSV))
+    *_, added, disabled, queued, read = csv.DictReader(io.StringIO(text))
+    (user_id,) = [one["payload"]["user_id"] for one in _page(database, action="user_disabled")]
+    assert (added["action"], added["about"]) == ("user_added", f"name=berta role=operator user_id={user_id}")
+    assert (disabled["action"], disabled["about"]) == ("user_disabled", f"name=berta user_id={user_id}")
+    assert (queued["about"], queued["code"]) == ("objects=1.2,1.3", "x")
+    assert read["about"] == "what=audit"
+    assert text.splitlines()[0].endswith(",sha256,about"), "at the end: who reads by number reads as before"
+    assert all("P1" not in row["about"] for row in csv.DictReader(io.StringIO(text)))
 
 
 def test_reading_over_http_is_an_entry_and_filters_by_query(running):
