@@ -30,6 +30,7 @@ _STEP = {
 }
 _LONGER_THAN_THE_LOCK = "00:20:00"
 _LOOKED_MS = 2500  # more than two looks of the page at its clock
+_ADDED_UP = "([error, bound]) => import('/js/screens/verified.js').then(({ addedUp }) => addedUp(error, bound))"
 _A_FACT_AND_AT_ONCE_A_REQUEST = """() => import('/js/case/commands.js').then(({ tell, send }) =>
     Promise.all([tell('guide_state_stated', { guide: 'wire' }), send('hold_requested', { reason: 'test' })]))"""
 
@@ -157,3 +158,17 @@ def test_a_hold_is_not_acknowledged_before_somebody_says_what_is_in_the_guide(pr
     assert tablet.page.get_by_role("button", name="Acknowledge").count() == 0
     tablet.hand.tap(chips.filter(has_text="empty"))
     tablet.page.get_by_role("button", name="Acknowledge").wait_for()
+
+
+@pytest.mark.parametrize(
+    ("error", "bound", "shown"),
+    [
+        (0.01044, 0.04844, ["0.059", "0.010", "0.049"]),
+        (1.3984, 0.1194, ["1.518", "1.398", "0.120"]),
+        (0.1, 0.2, ["0.300", "0.100", "0.200"]),
+        (0.0107, 0.0482, ["0.059", "0.011", "0.048"]),
+    ],
+)
+def test_an_error_its_bound_and_their_sum_add_up_as_they_are_shown(procedure, at_the_case, error, bound, shown):
+    procedure.put(State.VERIFIED)
+    assert at_the_case().page.evaluate(_ADDED_UP, [error, bound]) == shown

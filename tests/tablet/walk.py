@@ -1,5 +1,6 @@
 """The procedure as the team walks it: hands on the tablet, and the radiographer's hands at the C-arm of the room."""
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -227,7 +228,7 @@ class Walk:
         self.tablet.hand.tap("Plan the motion")
 
     def _plan_retreat(self) -> None:
-        self.tablet.hand.tap("Move the arm nearer or away")
+        self.tablet.hand.tap(self.tablet.page.get_by_role("button", name=re.compile("^Move the arm")))
         self.tablet.hand.tap(self.tablet.page.get_by_role("tab", name="Retreat"))
         self.tablet.hand.tap(self.tablet.page.locator("[data-field=distance]"))
         self.tablet.hand.enter(_CLEARANCE)

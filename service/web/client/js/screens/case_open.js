@@ -29,7 +29,7 @@ export function CaseOpen({ current, caseId }) {
 export function Bringing({ kinds, isOpen = false }) {
   const [isMoving, setMoving] = useState(isOpen);
   return html`<section class="bringing">
-    <button class="button" aria-expanded=${isMoving} onClick=${() => setMoving(!isMoving)}><i class="icon icon-arm"></i><span>${t("motion.bring")}</span></button>
+    <button class="button" aria-expanded=${isMoving} onClick=${() => setMoving(!isMoving)}><i class="icon icon-arm"></i><span>${t(kinds.includes("approach") ? "motion.bring" : "motion.away")}</span></button>
     ${isMoving && html`<${Motions} kinds=${kinds} />`}
   </section>`;
 }

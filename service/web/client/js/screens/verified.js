@@ -13,6 +13,9 @@ import { Bringing } from "./case_open.js";
 import { Screen } from "./layout.js";
 import { Withdraw } from "./target_chosen.js";
 
+const THOUSANDTHS = 1000;
+const ROUNDING = 1e-6; // of a thousandth: by which a sum of two numbers may come out above itself
+
 /** @param {any} props */
 export function Verified({ current, caseId }) {
   const evaluation = useArtefact(caseId, "evaluations", current.chain.verification);
@@ -47,16 +50,28 @@ function Verdict({ state }) {
 export function Errors({ contour, paper, anatomy_shift: anatomy }) {
   const limits = room.value?.limits;
   const bounds = contour.predicted_error_95;
-  const angle = contour.angle_error_deg + bounds.angle_deg;
-  const position = contour.position_error_mm + bounds.position_mm;
-  const sum = (/** @type {number} */ error, /** @type {number} */ bound) => t("verify.sum", { error: number(error, 3), bound: number(bound, 3) });
   return html`<${Figures} areTiles>
-    <${Row} name=${t("verify.angle")} value=${number(angle, 3)} unit="°" limit=${`${sum(contour.angle_error_deg, bounds.angle_deg)}; ${t("limit.at_most", { value: number(limits?.angle_error_deg, 1) })}`} holds=${angle <= (limits?.angle_error_deg ?? 0)} />
-    <${Row} name=${t("verify.position")} value=${number(position, 3)} unit="mm" limit=${`${sum(contour.position_error_mm, bounds.position_mm)}; ${t("limit.at_most", { value: number(limits?.position_error_mm, 1) })}`} holds=${position <= (limits?.position_error_mm ?? 0)} />
+    <${Sum} name=${t("verify.angle")} unit="°" error=${contour.angle_error_deg} bound=${bounds.angle_deg} limit=${limits?.angle_error_deg} />
+    <${Sum} name=${t("verify.position")} unit=" mm" error=${contour.position_error_mm} bound=${bounds.position_mm} limit=${limits?.position_error_mm} />
   <//><${Figures}>
     <${Row} name=${t("verify.paper")} value=${`${number(paper.angle_error_deg, 3)}° / ${number(paper.position_error_mm, 3)}`} unit="mm" />
     ${anatomy?.measured && html`<${Row} name=${t("verify.anatomy")} value=${`${number(anatomy.across_mm, 2)} / ${number(anatomy.along_mm, 2)}`} unit="mm" />`}
   <//>`;
+}
+
+/** @param {any} props */
+function Sum({ name, unit, error, bound, limit }) {
+  const [whole, first, second] = addedUp(error, bound);
+  const parts = t("verify.sum", { error: first, bound: second, unit });
+  const most = t("limit.at_most", { value: `${number(limit, 1)}${unit}` });
+  return html`<${Row} name=${name} value=${whole} unit=${unit.trim()} limit=${`${parts}; ${most}`} holds=${error + bound <= (limit ?? 0)} />`;
+}
+
+/** Sum, error and bound as they are shown: so that they add up, and the sum is never less than it is. @param {number} error @param {number} bound */
+export function addedUp(error, bound) {
+  const whole = Math.ceil((error + bound) * THOUSANDTHS - ROUNDING) / THOUSANDTHS;
+  const first = Math.round(error * THOUSANDTHS) / THOUSANDTHS;
+  return [whole, first, whole - first].map((one) => number(one, 3));
 }
 
 async function insert() {
