@@ -134,6 +134,14 @@ def standings(connection: Connection, case_ids: Sequence[str]) -> dict[str, dict
     return {row.case_id: {"state": row.state, "version": row.version, "sequence": row.sequence} for row in rows}
 
 
+def ends(connection: Connection, case_ids: Sequence[str]) -> dict[str, str]:
+    """When each case that is over was closed or aborted, by its id; what was noted later does not count."""
+    events = tables.events.c
+    query = sa.select(events.case_id, sa.func.min(events.sequence)).where(events.case_id.in_(case_ids), _ENDED)
+    is_end = sa.tuple_(events.case_id, events.sequence).in_(query.group_by(events.case_id))
+    return {row.case_id: row.recorded_at for row in connection.execute(sa.select(tables.events).where(is_end))}
+
+
 def newest_sequence(connection: Connection, case_id: str) -> int:
     """The number of the last event; 0 where there is none."""
     query = sa.select(sa.func.max(tables.events.c.sequence)).where(tables.events.c.case_id == case_id)
@@ -167,6 +175,20 @@ def read_case(connection: Connection, case_id: str) -> StoredCase:
     if row is None:
         raise ServiceError(ErrorCode.CASE_UNKNOWN, f"there is no case {case_id}")
     return StoredCase(**row._mapping)
+
+
+def whole_id(connection: Connection, beginning: str) -> str:
+    """The id of the only case that begins so, and what was told where none does.
+
+    ServiceError CASE_UNKNOWN where it is not clear which is meant.
+    """
+    begins = sa.func.substr(tables.cases.c.id, 1, len(beginning)) == beginning
+    found = connection.execute(sa.select(tables.cases.c.id).where(begins)).scalars().all() if beginning else []
+    if len(found) > 1 and beginning not in found:
+        raise ServiceError(
+            ErrorCode.CASE_UNKNOWN, f"several cases begin with {beginning}", measured=len(found), limit=1
+        )
+    return found[0] if len(found) == 1 else beginning
 
 
 def list_cases(connection: Connection, limit: int | None = None, before: str | None = None) -> list[StoredCase]:

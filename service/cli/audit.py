@@ -75,7 +75,7 @@ def _add_printing(name: str, usual_limit: int, usual_form: FormatOption, purpose
 
     @audit.command(name, help=purpose)
     def print_entries(
-        case: Annotated[str | None, typer.Option(help="Id of a case.")] = None,
+        case: Annotated[str | None, typer.Option(help="Id of a case, or an unambiguous beginning of it.")] = None,
         actor: Annotated[str | None, typer.Option(help="Name or id of a user.")] = None,
         action: Annotated[str | None, typer.Option(help="What was done, as the entries name it.")] = None,
         interlock: Annotated[str | None, typer.Option(help="Code of an interlock that gave a verdict.")] = None,
@@ -117,13 +117,17 @@ def _print(
     form: FormatOption,
 ) -> None:
     from service.audit import record_reading
+    from service.cases import store
     from service.database.clock import as_utc
     from service.database.current import present_database
     from service.ledger.exports import ExportFormat, export
     from service.ledger.listing import Wanted
 
-    wanted = Wanted(*words, *(as_utc(at) if at is not None else None for at in times))
+    case, *others = words
     with present_database(settings) as database:
+        with database.read() as connection:
+            case = store.whole_id(connection, case) if case else None
+        wanted = Wanted(case, *others, *(as_utc(at) if at is not None else None for at in times))
         lines = export(database, wanted, ExportFormat(form), after, limit)
         record_reading(database, None, what, {"after": after, "limit": limit, "format": form.value})
         for text in lines:

@@ -1,9 +1,12 @@
-"""`coaxial case`: a case as a report, or as one file to be kept, checked, given away or brought elsewhere.
+"""`coaxial case`: which cases there are; one as a report, or as one file to be kept, checked, given away, brought in.
 
 Exit status: 0 done, 1 the check found something, 2 a report that cannot be written, 3 refused. What is heavy is
 imported where it is used.
 """
 
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,12 +17,16 @@ from service.cli.site import ConfigOption, DataFolderOption, in_one_line, site_s
 from service.cli.streams import write_file
 
 if TYPE_CHECKING:
+    from service.conductor.case_list import ListedCase
+    from service.database.engines import Database
     from service.ledger.keys import Verifier
 
 case = plain_typer(no_args_is_help=True)
 
 _FOUND = 1
 _SHOWN = 100
+_MOST = 1000  # cases of one list
+CaseId = Annotated[str, typer.Argument(metavar="CASE", help="Id of the case, or an unambiguous beginning of it.")]
 ArchiveFile = Annotated[Path, typer.Argument(metavar="FILE", help="An archive of a case.")]
 PublicKeys = Annotated[
     list[Path] | None,
@@ -29,12 +36,57 @@ PublicKeys = Annotated[
 
 @case.callback()
 def cases() -> None:
-    """A case as a report, or as one file: export, verify, import."""
+    """Which cases there are; one as a report, or as one file: export, verify, import."""
+
+
+@case.command("list")
+def list_all(
+    limit: Annotated[int, typer.Option(help="At most so many.", min=1, max=_MOST)] = 100,
+    before: Annotated[str | None, typer.Option(metavar="CASE", help="Those that were opened before this case.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object a case instead of the table.")] = False,
+    config: ConfigOption = None,
+    data_folder: DataFolderOption = None,
+) -> None:
+    """Print the cases, newest first: id, when, state, room, who opened it, targets; no word of the patient."""
+    from service.cases import store
+    from service.conductor.case_list import listed_cases
+    from service.database.current import present_database
+
+    with (
+        site_settings(config, data_folder) as settings,
+        present_database(settings) as database,
+        database.read() as connection,
+    ):
+        found = listed_cases(connection, limit + 1, store.whole_id(connection, before) if before else None)
+    _print_cases(found[:limit], as_json=as_json)
+    if len(found) > limit:
+        typer.echo(f"{limit} cases, and there are more: --before {found[limit - 1].id}", err=True)
+    elif not found:
+        typer.echo("no case", err=True)
+
+
+def _print_cases(cases: "Sequence[ListedCase]", *, as_json: bool) -> None:
+    if as_json:
+        for one in cases:
+            typer.echo(json.dumps(asdict(one)))
+        return
+    rows = [("case", "opened", "ended", "state", "room", "opened by", "targets placed")]
+    rows += [
+        (one.id, one.opened_at[:19], (one.ended_at or "")[:19], one.state, one.room, one.opened_by, _placed(one))
+        for one in cases
+    ]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        typer.echo("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+
+
+def _placed(one: "ListedCase") -> str:
+    return f"{one.targets_placed}/{one.targets_planned}"
 
 
 @case.command("report")
 def report_one(
-    case_id: Annotated[str, typer.Argument(metavar="CASE", help="Id of the case.")],
+    case_id: CaseId,
     out: Annotated[
         Path | None, typer.Option(help="Where to write it; case-CASE.pdf in this folder if not told.")
     ] = None,
@@ -56,6 +108,7 @@ def report_one(
             await vision.close()
 
     with site_settings(config, data_folder) as settings, present_database(settings) as database:
+        case_id = _whole_id(database, case_id)
         content = asyncio.run(make())
     file = out or Path(f"case-{case_id}.pdf")
     write_file(file, content)
@@ -64,7 +117,7 @@ def report_one(
 
 @case.command("export")
 def export_one(
-    case_id: Annotated[str, typer.Argument(metavar="CASE", help="Id of the case.")],
+    case_id: CaseId,
     out: Annotated[Path, typer.Option(help="Where to write it.")],
     pseudonymise: Annotated[bool, typer.Option(help="Without patient, people and what they wrote.")] = False,
     config: ConfigOption = None,
@@ -78,7 +131,7 @@ def export_one(
     with site_settings(config, data_folder) as settings:
         check_present(settings)
         with current_database(settings) as database:
-            signer = signing_key(settings.key_file)
+            signer, case_id = signing_key(settings.key_file), _whole_id(database, case_id)
             export_case(database, signer, case_id, None, out, pseudonymised=pseudonymise)
     typer.echo(f"{out}: signed by key {signer.verifier.name}")
 
@@ -114,6 +167,13 @@ def import_file(
     with site_settings(config, data_folder) as settings, current_database(settings) as database:
         case_id, is_new = import_case(database, settings, file, _trusted(public_key))
     typer.echo(f"case {case_id} is here" if is_new else f"case {case_id} was here already, the same")
+
+
+def _whole_id(database: "Database", beginning: str) -> str:
+    from service.cases import store
+
+    with database.read() as connection:
+        return store.whole_id(connection, beginning)
 
 
 def _trusted(files: list[Path] | None) -> "dict[str, Verifier]":

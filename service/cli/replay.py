@@ -24,7 +24,9 @@ _SHOWN = 20  # differences of one case
 
 
 def replay(
-    case: Annotated[str | None, typer.Argument(help="Id of the case.", show_default=False)] = None,
+    case: Annotated[
+        str | None, typer.Argument(help="Id of the case, or an unambiguous beginning of it.", show_default=False)
+    ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Every case, oldest first.")] = False,
     workers: Annotated[int, typer.Option(help="Processes; they yield to other work.", min=1)] = 1,
     scheduler: Annotated[str | None, typer.Option(help="A Dask scheduler instead, as tcp://host:port.")] = None,
@@ -74,7 +76,7 @@ def _case_ids(database: "Database", case: str | None) -> list[str]:
 
     with database.read() as connection:
         if case is not None:
-            return [store.read_case(connection, case).id]
+            return [store.read_case(connection, store.whole_id(connection, case)).id]
         return [one.id for one in reversed(store.list_cases(connection))]
 
 

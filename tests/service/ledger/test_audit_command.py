@@ -84,7 +84,7 @@ def test_a_list_ends_at_its_limit_and_says_where_it_goes_on(run):
 
 def test_a_list_of_nothing_says_so(run):
     assert run("list", "--case", "case-1").stderr == ""
-    assert run("list", "--case", "case").stderr == "no entry fits\n"
+    assert run("list", "--case", "none").stderr == "no entry fits\n"
     assert run("export", "--hazard", "H99").stderr == "no entry fits\n"
 
 

@@ -9,7 +9,9 @@ import pytest
 from service.archive.checking import check_file
 from service.archive.exporting import export_case
 from service.archive.importing import import_case
+from service.cases import store
 from service.cases.attempts import list_attempts
+from service.conductor.case_list import listed_cases
 from service.database.current import current_database
 from service.database.engines import Database
 from service.errors import ErrorCode, ServiceError
@@ -79,6 +81,8 @@ def test_a_case_is_exported_verified_imported_and_known_again(workstation, make_
             assert found.findings == []
             with target.read() as connection:
                 assert replay(read_input(connection, case_id, elsewhere)).differences == ()
+                assert [one.id for one in listed_cases(connection, 10, None)] == [case_id]
+                assert store.whole_id(connection, case_id[:8]) == case_id
             back = _export(target, case_id, tmp_path / "back.zip")
         assert import_case(source, settings, back, {}) == (case_id, False), "the same, come back"
 
