@@ -71,6 +71,10 @@ _CUT_OFF = """() => {
     }
     return found;
 }"""
+_MORE_UNTOLD = """() => {
+    const doing = document.querySelector('.doing'), told = document.querySelector('.below');
+    return doing !== null && doing.scrollHeight - doing.clientHeight - doing.scrollTop > 8 && !told;
+}"""
 _IN_SIGHT = """(element) => {
     const { left, right, top, bottom } = element.getBoundingClientRect();
     const places = [[left + 9, top + 9], [right - 9, top + 9], [left + 9, bottom - 9], [right - 9, bottom - 9]];
@@ -97,6 +101,8 @@ class Looks:
         for what in (next_action, ".stop"):
             if not page.locator(what).first.evaluate(_IN_SIGHT):
                 self.faults.append(f"{screen}: {what} is not whole in sight")
+        if page.evaluate(_MORE_UNTOLD):
+            self.faults.append(f"{screen}: nothing says that there is more below")
         if not page.evaluate(IS_ON_TOP, ".stop"):
             self.faults.append(f"{screen}: something lies over stop")
 

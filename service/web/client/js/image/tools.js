@@ -25,8 +25,8 @@ export function Tools({ names, tool, setTool, turn, whole }) {
         <i class="icon icon-${name}"></i><span>${t(`image.${name}`)}</span>
       </button>`,
     )}
-    <button class="tool" onClick=${() => turn(-TURN_RAD)} aria-label=${t("image.turn_left")}><i class="icon icon-turn-left"></i></button>
-    <button class="tool" onClick=${() => turn(TURN_RAD)} aria-label=${t("image.turn_right")}><i class="icon icon-turn-right"></i></button>
+    <button class="tool" onClick=${() => turn(-TURN_RAD)} aria-label=${t("image.turn_left")}><i class="icon icon-turn-left"></i><span>${t("image.left")}</span></button>
+    <button class="tool" onClick=${() => turn(TURN_RAD)} aria-label=${t("image.turn_right")}><i class="icon icon-turn-right"></i><span>${t("image.right")}</span></button>
     <button class="tool" onClick=${whole}>
       <i class="icon icon-fit"></i><span>${t("image.fit")}</span>
     </button>

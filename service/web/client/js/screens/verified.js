@@ -23,7 +23,7 @@ export function Verified({ current, caseId }) {
   const after = measured?.data.image_id ?? null;
   const target = useTarget(caseId, current);
   const before = target?.image_id ?? current.chain.image;
-  return html`<${Screen} state=${current.state} seen=${html`<${Compare} ...${{ before, after, caseId, target }} />`}>
+  return html`<${Screen} state=${current.state} lead="" seen=${html`<${Compare} ...${{ before, after, caseId, target }} />`}>
     <${Verdict} state=${current.state} />
     ${evaluation && html`<${Errors} ...${evaluation} />`}
     ${current.state === "verified"
@@ -43,7 +43,7 @@ function useTarget(caseId, current) {
 /** @param {{state: string}} props */
 function Verdict({ state }) {
   const passed = state === "verified";
-  return html`<p class="verdict ${passed ? "is-passed" : "is-failed"}" role="status"><i class="icon icon-${passed ? "check" : "cross"}"></i>${t(passed ? "verify.passed" : "verify.failed")}</p>`;
+  return html`<p class="verdict ${passed ? "is-passed" : "is-failed"}" role="status" aria-label=${t(`do_now.${state}`)}><i class="icon icon-${passed ? "check" : "cross"}"></i>${t(passed ? "verify.passed" : "verify.failed")}</p>`;
 }
 
 /** @param {any} evaluation */
