@@ -73,7 +73,10 @@ _CUT_OFF = """() => {
 }"""
 _MORE_UNTOLD = """() => {
     const doing = document.querySelector('.doing'), told = document.querySelector('.below');
-    return doing !== null && doing.scrollHeight - doing.clientHeight - doing.scrollTop > 8 && !told;
+    if (!doing || doing.scrollHeight - doing.clientHeight - doing.scrollTop <= 8) return false;
+    if (!told || getComputedStyle(told).visibility !== 'visible') return true;
+    const { top, height } = told.getBoundingClientRect();
+    return height === 0 || top < doing.getBoundingClientRect().bottom;
 }"""
 _IN_SIGHT = """(element) => {
     const { left, right, top, bottom } = element.getBoundingClientRect();
@@ -102,7 +105,7 @@ class Looks:
             if not page.locator(what).first.evaluate(_IN_SIGHT):
                 self.faults.append(f"{screen}: {what} is not whole in sight")
         if page.evaluate(_MORE_UNTOLD):
-            self.faults.append(f"{screen}: nothing says that there is more below")
+            self.faults.append(f"{screen}: nothing says that there is more below, or it covers something")
         if not page.evaluate(IS_ON_TOP, ".stop"):
             self.faults.append(f"{screen}: something lies over stop")
 

@@ -22,14 +22,14 @@ export function MotionPanel() {
 export function PlanWords({ plan }) {
   const { detectable_motion: detectable } = plan;
   return html`
-    <p>${t("motion.words", { mm: number(plan.length_mm, 1), deg: number(plan.rotation_deg, 2), s: number(plan.duration_s, 1) })}</p>
     <${PlanFigures} plan=${plan} />
+    <p>${t("motion.words", { mm: number(plan.length_mm, 1), deg: number(plan.rotation_deg, 2), s: number(plan.duration_s, 1) })}</p>
     ${detectable &&
     html`<p class="note">${t("motion.detectable", { deg: number(detectable.rotation_deg, 2), across: number(detectable.across_mm, 1), along: number(detectable.along_mm, 1) })}</p>`}
   `;
 }
 
-/** @param {{plan: any}} props */
+/** What the arm keeps clear of first, never shown as more than it is, nor what it needs as less. @param {{plan: any}} props */
 function PlanFigures({ plan }) {
   const nearest = plan.preview.reduce((/** @type {any} */ least, /** @type {any} */ piece) =>
     piece.clearance_mm < least.clearance_mm ? piece : least,
@@ -37,17 +37,17 @@ function PlanFigures({ plan }) {
   const predicted = plan.predicted_error_95;
   return html`
     <${Figures} areTiles>
+      <${Row}
+        name=${nearestWords(nearest)}
+        value=${number(Math.floor(plan.clearance_mm), 0)}
+        unit="mm"
+        limit=${t("limit.at_least", { value: `${number(Math.ceil(plan.clearance_needed_mm), 0)} mm` })}
+      />
+      <${Row} name=${t("motion.joint_margin")} value=${number(Math.floor(plan.joint_margin_deg), 0)} unit="°" />
       <${Row} name=${t("motion.distance")} value=${number(plan.length_mm, 1)} unit="mm" />
       <${Row} name=${t("motion.rotation")} value=${number(plan.rotation_deg, 2)} unit="°" />
       ${predicted && html`<${Row} name=${t("motion.predicted_angle")} value=${number(predicted.angle_deg, 3)} unit="°" />`}
       ${predicted && html`<${Row} name=${t("motion.predicted_position")} value=${number(predicted.position_mm, 3)} unit="mm" />`}
-      <${Row}
-        name=${nearestWords(nearest)}
-        value=${number(plan.clearance_mm, 0)}
-        unit="mm"
-        limit=${t("limit.at_least", { value: number(plan.clearance_needed_mm, 0) })}
-      />
-      <${Row} name=${t("motion.joint_margin")} value=${number(plan.joint_margin_deg, 0)} unit="°" />
     <//>
   `;
 }

@@ -21,10 +21,10 @@ export function Screen({ state, title = t(`state.${state}`), lead = t(`do_now.${
 
 /** That there is more below the edge, or behind what stays at it. @param {{of: {current: HTMLElement|null}}} props */
 function Below({ of }) {
-  const [edgePx, setEdgePx] = useState(/** @type {number|null} */ (null));
+  const [goesOn, setGoesOn] = useState(false);
   useLayoutEffect(() => {
     const doing = /** @type {HTMLElement} */ (of.current);
-    const look = () => setEdgePx(hiddenBelow(doing) > HARDLY_PX ? atTheEdge(doing) : null);
+    const look = () => setGoesOn(doing.scrollHeight - doing.clientHeight - doing.scrollTop > HARDLY_PX);
     const sizes = new ResizeObserver(look);
     const parts = new MutationObserver(() => {
       [...doing.children].forEach((part) => sizes.observe(part));
@@ -39,18 +39,5 @@ function Below({ of }) {
       doing.removeEventListener("scroll", look);
     };
   }, []);
-  if (edgePx === null) return null;
-  return html`<p class="below" style=${{ marginBottom: `${edgePx}px` }} aria-hidden="true">${t("below")}</p>`;
-}
-
-/** @param {HTMLElement} part */
-function hiddenBelow(part) {
-  return part.scrollHeight - part.clientHeight - part.scrollTop;
-}
-
-/** How high is what stays at the lower edge while the rest scrolls. @param {HTMLElement} doing */
-function atTheEdge(doing) {
-  const edge = doing.getBoundingClientRect().bottom;
-  const staying = [...doing.querySelectorAll("*")].filter((part) => getComputedStyle(part).position === "sticky").map((part) => part.getBoundingClientRect());
-  return Math.max(0, ...staying.filter((box) => edge - box.bottom < HARDLY_PX).map((box) => box.height));
+  return goesOn && html`<p class="below" aria-hidden="true">${t("below")}</p>`;
 }

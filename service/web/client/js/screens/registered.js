@@ -111,7 +111,7 @@ function Quality({ caseId, id }) {
   return html`<${Figures}>
     <${Row} name=${t("registration.residual")} value=${number(registration.residual_rms_px, 3)} unit="px" />
     <${Row} name=${t("registration.balls")} value=${number(registration.distortion.balls, 0)} />
-    <${Row} name=${t("motion.predicted_angle")} value=${number(predicted.angle_deg, 3)} unit="°" limit=${t("limit.at_most", { value: number(limits?.angle_error_deg, 1) })} />
-    <${Row} name=${t("motion.predicted_position")} value=${number(predicted.position_mm, 3)} unit="mm" limit=${t("limit.at_most", { value: number(limits?.position_error_mm, 1) })} />
+    <${Row} name=${t("motion.predicted_angle")} value=${number(predicted.angle_deg, 3)} unit="°" limit=${t("limit.at_most", { value: `${number(limits?.angle_error_deg)}°` })} />
+    <${Row} name=${t("motion.predicted_position")} value=${number(predicted.position_mm, 3)} unit="mm" limit=${t("limit.at_most", { value: `${number(limits?.position_error_mm)} mm` })} />
   <//>`;
 }

@@ -63,7 +63,7 @@ export function Errors({ contour, paper, anatomy_shift: anatomy }) {
 function Sum({ name, unit, error, bound, limit }) {
   const [whole, first, second] = addedUp(error, bound);
   const parts = t("verify.sum", { error: first, bound: second, unit });
-  const most = t("limit.at_most", { value: `${number(limit, 1)}${unit}` });
+  const most = t("limit.at_most", { value: `${number(limit)}${unit}` });
   return html`<${Row} name=${name} value=${whole} unit=${unit.trim()} limit=${`${parts}; ${most}`} holds=${error + bound <= (limit ?? 0)} />`;
 }
 
