@@ -28,6 +28,8 @@ def daily_check_command(
     wait_s: Annotated[float, typer.Option(min=1.0, help="How long to wait for the image.")] = 300.0,
 ) -> None:
     """Check the room: bring the guide into the beam first, and let the arm rest."""
+    import httpx
+
     from coaxial_client import Coaxial, NoAnswer, Refused
 
     password = os.environ.get("COAXIAL_PASSWORD") or typer.prompt("Password", hide_input=True)
@@ -39,6 +41,8 @@ def daily_check_command(
         _end(f"{error.code}: {error.detail}. {error.what_to_do}")
     except NoAnswer as error:
         _end(f"the service at {url} does not answer: {error}")
+    except httpx.InvalidURL as error:
+        _end(f"{url} is no address: {error}")
     if not passed:
         raise typer.Exit(_FAILED)
 

@@ -1,5 +1,6 @@
 """The daily check through service, guard, controller and C-arm: what passes, what fails, and what the status shows."""
 
+import os
 import subprocess
 import sys
 
@@ -66,3 +67,17 @@ def test_a_leaning_guide_and_a_pushed_arm_fail_and_each_says_what_to_do(engineer
     assert failed["beam_tilt"]["measured"] == pytest.approx(8.0, abs=TILT_DEG)
     assert all(one["what_to_do"] for one in failed.values())
     assert engineer.status()["daily_check"]["failed"] == ["still_mm", "beam_tilt"]
+
+
+@pytest.mark.parametrize("url", ["http://[::1", "nowhere", "http://127.0.0.1:1"])
+def test_an_address_that_is_none_or_nobody_s_ends_with_one_line(url) -> None:
+    checked = subprocess.run(
+        [*_COMMAND, url, "--user", "engineer"],
+        env=os.environ | {"COAXIAL_PASSWORD": PASSWORD},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert checked.returncode == 2
+    assert len(checked.stderr.splitlines()) == 1
+    assert url in checked.stderr
