@@ -306,7 +306,8 @@ def test_what_a_process_prints_is_logged_line_by_line(spawned, monkeypatch: pyte
 @pytest.mark.hazard("H17")
 def test_a_process_never_waits_for_its_prints_to_be_taken(spawned, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robot.guard.child._log_what_is_said", lambda *_: None)
-    child = spawned("head -c 2000000 /dev/zero >&2; echo on")  # more than a pipe holds
+    child = spawned("read go; head -c 2000000 /dev/zero >&2; echo on")  # more than a pipe holds
+    assert child.send(b"go\n") is True
     assert lines_of(child, 1) == [b"on"]
 
 
