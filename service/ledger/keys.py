@@ -3,6 +3,7 @@
 import hashlib
 import os
 import stat
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from cryptography.hazmat.primitives.serialization import (
 )
 
 from service.errors import ErrorCode, ServiceError
+from service.whole_file import whole_file
 
 _OTHERS = stat.S_IRWXG | stat.S_IRWXO
 
@@ -61,11 +63,17 @@ class Signer:
 
 
 def signing_key(file: Path) -> Signer:
-    """The key in `file`, made where there is none; ServiceError KEY_REFUSED, as where others may read it."""
+    """The key in `file`, with its public half beside it; each is made where there is none.
+
+    ServiceError KEY_REFUSED, as where others may read it.
+    """
     try:
         if not file.exists():
             _make_key(file)
-        return _private_key(file)
+        signer = _private_key(file)
+        if not public_file(file).exists():
+            _make_public(public_file(file), signer.verifier)
+        return signer
     except OSError as error:
         raise _unreadable(file, error) from error
 
@@ -122,15 +130,13 @@ def _unreadable(file: Path, error: OSError) -> ServiceError:
 
 def _make_key(file: Path) -> None:
     file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    key = Ed25519PrivateKey.generate()
-    pem = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
-    # Created with its rights, never narrowed afterwards: in between others could open it.
-    try:
-        descriptor = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    except FileExistsError:  # another process was quicker; its key is the one
-        return
-    with os.fdopen(descriptor, "wb") as opened:
-        opened.write(pem)
-        opened.flush()
-        os.fsync(opened.fileno())
-    public_file(file).write_text(Verifier(key.public_key()).pem)
+    pem = Ed25519PrivateKey.generate().private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
+    with suppress(FileExistsError), whole_file(file, is_new=True) as part:  # another process may be quicker
+        # Created with its rights, never narrowed afterwards: in between others could open it.
+        with os.fdopen(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as opened:
+            opened.write(pem)
+
+
+def _make_public(file: Path, verifier: Verifier) -> None:
+    with whole_file(file) as part:
+        part.write_text(verifier.pem)

@@ -1,6 +1,8 @@
 """The signing key: its owner's alone, or refused."""
 
+import os
 import stat
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from cryptography.hazmat.primitives.asymmetric.rsa import generate_private_key
@@ -19,6 +21,28 @@ def test_a_key_is_made_once_for_its_owner_alone(tmp_path):
     assert again.verifier.confirms("text", first.sign("text"))
     assert not again.verifier.confirms("another", first.sign("text"))
     assert not again.verifier.confirms("text", "no signature")
+
+
+def test_a_key_whose_making_was_cut_short_is_made_the_next_time(tmp_path, monkeypatch):
+    file = tmp_path / "signing.key"
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(os, "fsync", _cut_short)
+        signing_key(file)
+    assert not file.exists()
+    key = signing_key(file)
+    public_file(file).unlink()
+    assert signing_key(file).verifier.name == key.verifier.name == public_key(public_file(file)).name
+
+
+def _cut_short(_: int) -> None:
+    raise KeyboardInterrupt
+
+
+def test_of_keys_made_at_once_the_first_is_the_one(tmp_path):
+    files = [tmp_path / "signing.key"] * 8
+    with ThreadPoolExecutor(len(files)) as pool:
+        names = {signer.verifier.name for signer in pool.map(signing_key, files)}
+    assert names == {public_key(public_file(files[0])).name}
 
 
 @pytest.mark.parametrize("mode", [0o640, 0o604, 0o620, 0o660, 0o601])
