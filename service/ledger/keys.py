@@ -132,9 +132,13 @@ def _make_key(file: Path) -> None:
     file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     pem = Ed25519PrivateKey.generate().private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
     with suppress(FileExistsError), whole_file(file, is_new=True) as part:  # another process may be quicker
-        # Created with its rights, never narrowed afterwards: in between others could open it.
-        with os.fdopen(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as opened:
-            opened.write(pem)
+        _write_for_its_owner(part, pem)
+
+
+def _write_for_its_owner(file: Path, content: bytes) -> None:
+    """Created with its rights, never narrowed afterwards: in between others could open it."""
+    with os.fdopen(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as opened:
+        opened.write(content)
 
 
 def _make_public(file: Path, verifier: Verifier) -> None:
