@@ -100,5 +100,6 @@ def create_app(settings: Settings, claim_reason: str | None = None) -> FastAPI:
     app.state.command_permissions = command_permissions(CONDUCTOR_ROUTERS)
     for router in ROUTERS:
         app.include_router(router, prefix="/api")
+    app.include_router(service.operations.health.router, include_in_schema=False)  # where orchestrators look for it
     app.include_router(service.web.router.router)
     return app

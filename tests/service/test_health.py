@@ -29,6 +29,12 @@ def test_a_service_lives_and_a_room_without_an_arm_is_ready_without_one(running)
         assert stranger.get("/health/ready").json()["status"] == "ready"
 
 
+def test_whoever_looks_for_health_below_no_prefix_finds_it_too(running):
+    with running.client(None) as stranger:
+        for path, status in (("/health/live", "up"), ("/health/ready", "ready")):
+            assert stranger.get(stranger.base_url.copy_with(path=path)).json()["status"] == status
+
+
 def test_a_full_disk_and_a_lost_database_are_named_as_reasons(running, monkeypatch):
     def full(*_):
         raise OSError
