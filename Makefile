@@ -36,7 +36,7 @@ ON_POSTGRESQL := $(addprefix tests/service/,ledger test_contested_permits.py tes
 # What keeps real time (the arm's 125 Hz, a heartbeat's 200 ms) mostly waits: two files at a time disturb one another
 # little, calculations beside them would.
 tests: $(VENV)/.test
-	@for need in dcmtk:storescu dicom3tools:dciodvfy orthanc:Orthanc postgresql:pg_lsclusters chromium:chromium strace:strace; do command -v $${need#*:} >/dev/null || \
+	@for need in dcmtk:storescu dicom3tools:dciodvfy orthanc:Orthanc postgresql:pg_lsclusters chromium:chromium strace:strace nginx-light:nginx; do command -v $${need#*:} >/dev/null || \
 	  { echo "missing Debian package: apt-get install $${need%:*}"; exit 1; }; done
 	$(BIN)/python -m pytest -n 2 -m "not real_time"
 	$(BIN)/python -m pytest -n 2 --database postgresql $(ON_POSTGRESQL)
