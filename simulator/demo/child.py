@@ -33,7 +33,7 @@ class Child:
     def __init__(self, name: str, command: Sequence[str], log: Path, environment: Mapping[str, str]) -> None:
         self.name = name
         self.log = log
-        with log.open("ab") as output:
+        with log.open("wb") as output:  # a line of an earlier start must not pass for one of this
             # A process group of its own: Ctrl-C reaches the demonstration alone, which ends the rest in order.
             self._process = subprocess.Popen(  # noqa: S603  our own commands
                 command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, env=environment, process_group=0
@@ -54,7 +54,7 @@ class Child:
         """The rest of the first line in the log that begins so; DemoFailed if the process ends or is late."""
         end_s = time.monotonic() + timeout_s
         while time.monotonic() < end_s:
-            for line in self.log.read_text().splitlines():
+            for line in self._lines():
                 if line.startswith(beginning):
                     return line.removeprefix(beginning).strip()
             if self.ended:
@@ -64,8 +64,11 @@ class Child:
 
     def last_words(self) -> str:
         """How it ended, with the end of its log."""
-        lines = self.log.read_text().splitlines()[-_LINES_SHOWN:]
+        lines = self._lines()[-_LINES_SHOWN:]
         return " | ".join([f"exit status {self._process.poll()}", *lines, f"see {self.log}"])
+
+    def _lines(self) -> list[str]:
+        return self.log.read_text(encoding="utf-8", errors="replace").splitlines()
 
     def end(self) -> None:
         """Ask it to end, then make it."""

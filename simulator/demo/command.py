@@ -48,8 +48,10 @@ def demo_command(
     room do: C-arm into the view, exposure, target, approval with the PIN, held motion, verification, correction where
     the limits ask for it, sleeve. Prints what was moved and measured beside what the room knows to be true.
 
-    Exit status: 0 all targets placed; 1 something failed, and the last line says what; 130 interrupted.
+    Exit status: 0 all targets placed; 1 something failed, and the last line says what, as what the room does not know
+    of pedicles, faults or truth, before anything is started; 130 interrupted.
     """
-    from simulator.demo.run import Wanted, run
+    from simulator.demo.run import run
+    from simulator.demo.wanted import Wanted
 
     raise typer.Exit(run(Wanted(tuple(pedicle or ()), data, port, stay, tuple(fault or ()), truth)))

@@ -15,6 +15,10 @@ class DemoFailed(Exception):  # noqa: N818  it names what happened, as the line 
         self.code = code
 
 
+class NothingStartedError(DemoFailed):
+    """It ended before any process was started, so that there is no log of this run."""
+
+
 class SeenToMoveError(DemoFailed):
     """An image after a motion shows that C-arm, base or patient moved: what was registered is void."""
 
@@ -38,7 +42,7 @@ def measured(verdict: dict[str, Any]) -> str:
     return f"measured {_short(verdict['measured'])}, limit {_short(verdict['limit'])}"
 
 
-def explain(error: DemoFailed | Refused | NoAnswer | httpx.HTTPError | TimeoutError) -> str:
+def explain(error: DemoFailed | Refused | NoAnswer | httpx.HTTPError | OSError) -> str:
     """One line: code, text, measured value and limit, what to do."""
     match error:
         case Refused():
@@ -50,6 +54,8 @@ def explain(error: DemoFailed | Refused | NoAnswer | httpx.HTTPError | TimeoutEr
             return f"no_answer: {type(error).__name__} {error}"
         case TimeoutError():
             return f"too_late: {error}"
+        case OSError():
+            return f"system_refused: {error}"
         case DemoFailed():
             return str(error)
 

@@ -3,8 +3,6 @@
 import signal
 import tempfile
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
@@ -12,51 +10,51 @@ import httpx
 from rich.console import Console
 
 from coaxial_client import NoAnswer, Refused
-from simulator.demo.door_client import PlannedPedicle
-from simulator.demo.failure import DemoFailed, explain
+from simulator.demo.failure import DemoFailed, NothingStartedError, explain
 from simulator.demo.procedure import run_case
 from simulator.demo.results import TargetResult
 from simulator.demo.stage import Stage, open_stage
 from simulator.demo.table import result_table
 from simulator.demo.telling import Teller, open_console
+from simulator.demo.wanted import Wanted, check, chosen
 
 _DONE, _FAILED, _INTERRUPTED = 0, 1, 130
 _ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-_FOUR = ("L3-left", "L3-right", "L4-left", "L4-right")
 _LOOK_EVERY_S = 0.5
 _GONE_WITHIN_S = 1.0  # a connection breaks before its process has ended
-
-
-@dataclass(frozen=True, slots=True)
-class Wanted:
-    """What was asked for at the command line."""
-
-    pedicles: tuple[str, ...]  # none: those of the default
-    data: Path | None
-    port: int
-    stay: bool
-    faults: tuple[str, ...]
-    truth: Path | None
 
 
 def run(wanted: Wanted) -> int:
     """The exit status."""
     for ending in _ENDINGS:
         signal.signal(ending, _interrupt)
-    folder = Path(tempfile.mkdtemp(prefix="coaxial-demo-")) if wanted.data is None else wanted.data.absolute()
     console = open_console()
     teller = Teller(console)
     teller.about = "room"
     try:
+        check(wanted)
+        folder = _folder(wanted.data)
         with open_stage(folder, wanted.port, wanted.truth, teller) as stage:
             _stay(stage, console) if wanted.stay else _place_all(stage, wanted, teller)
-    except (DemoFailed, Refused, NoAnswer, httpx.HTTPError, TimeoutError) as error:
+    except NothingStartedError as error:
+        _say_failed(f"{teller.about}: {explain(error)}")
+        return _FAILED
+    except (DemoFailed, Refused, NoAnswer, httpx.HTTPError, OSError) as error:
         _say_failed(f"{teller.about}: {explain(error)}. Logs: {folder}")
         return _FAILED
     except KeyboardInterrupt:
         console.print("interrupted; everything that was started has been ended")
         return _DONE if wanted.stay else _INTERRUPTED
     return _DONE
+
+
+def _folder(named: Path | None) -> Path:
+    if named is not None:
+        return named.absolute()
+    try:
+        return Path(tempfile.mkdtemp(prefix="coaxial-demo-"))
+    except OSError as error:
+        raise NothingStartedError("folder_refused", f"no temporary folder: {error.strerror}") from error
 
 
 def _interrupt(_number: int, _frame: FrameType | None) -> None:
@@ -68,7 +66,8 @@ def _interrupt(_number: int, _frame: FrameType | None) -> None:
 
 def _place_all(stage: Stage, wanted: Wanted, teller: Teller) -> None:
     results: list[TargetResult] = []
-    pedicles = choose(stage.door.pedicles(), wanted.pedicles)
+    planned = {pedicle.name: pedicle for pedicle in stage.door.pedicles()}
+    pedicles = [planned[name] for name in chosen(tuple(planned), wanted.pedicles)]
     for fault in wanted.faults:
         stage.door.inject(fault)
         teller.tell(f"fault injected: {fault}")
@@ -87,16 +86,6 @@ def _place_all(stage: Stage, wanted: Wanted, teller: Teller) -> None:
         f"data and logs in {stage.folder}",
         soft_wrap=True,
     )
-
-
-def choose(planned: Sequence[PlannedPedicle], names: Sequence[str]) -> list[PlannedPedicle]:
-    """Those of the room that were asked for, else the usual ones; DemoFailed where it has no such one."""
-    by_name = {pedicle.name: pedicle for pedicle in planned}
-    names = names or (_FOUR if by_name.keys() >= set(_FOUR) else tuple(by_name))
-    unknown = [name for name in names if name not in by_name]
-    if unknown:
-        raise DemoFailed("pedicle_unknown", f"{', '.join(unknown)}; there are {', '.join(by_name)}")
-    return [by_name[name] for name in names]
 
 
 def _stay(stage: Stage, console: Console) -> None:

@@ -1,9 +1,11 @@
 """Service and room as two processes on free loopback ports, the first users, the device files."""
 
+import json
+import shutil
 import socket
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +13,7 @@ from coaxial_client import Coaxial
 from simulator.controller import free_loopback_address
 from simulator.demo.child import Child, clean_environment, coaxial
 from simulator.demo.door_client import Door
-from simulator.demo.failure import DemoFailed
+from simulator.demo.failure import DemoFailed, NothingStartedError
 from simulator.demo.people import Person, add_person, draw_people
 from simulator.demo.telling import Teller
 from simulator.devices import DEVICE_FILES
@@ -67,10 +69,38 @@ class _Plan:
         """The service's settings file."""
         return self.folder / "coaxial.toml"
 
-    def write_settings(self) -> None:
-        """So that the same service can be started again by hand."""
+    @property
+    def record(self) -> Path:
+        """The service's data folder."""
+        return self.folder / "service"
+
+    def begin(self) -> None:
+        """Make the folders, and the settings, so that the same service can be started again by hand."""
+        try:
+            self._make_folders()
+        except OSError as error:
+            raise NothingStartedError("folder_refused", f"{error.filename}: {error.strerror}") from error
+        try:
+            self.settings.write_text(self._settings_text(), encoding="utf-8")
+        except OSError as error:
+            self.take_back()
+            raise NothingStartedError("folder_refused", f"{self.settings}: {error.strerror}") from error
+
+    def _make_folders(self) -> None:
+        if self.settings.exists() or self.record.exists():
+            raise NothingStartedError(
+                "folder_used", f"{self.folder} has the record of another run, whose secrets are gone: name a new one"
+            )
+        self.record.mkdir(parents=True)  # of two runs at once one is refused
+
+    def take_back(self) -> None:
+        """Leave nothing but the logs of what this run made: nobody ever signed in, and the next may have the folder."""
+        shutil.rmtree(self.record, ignore_errors=True)
+        self.settings.unlink(missing_ok=True)
+
+    def _settings_text(self) -> str:
         lines = (
-            f'data_folder = "{self.folder / "service"}"',
+            f"data_folder = {json.dumps(str(self.record), ensure_ascii=False)}",
             f'arm_address = "{self.arm_address}"',
             "[http]",
             f"port = {self.http_port}",
@@ -83,36 +113,38 @@ class _Plan:
             f"position_sd_mm = {_ARM_SD_MM}",
             f"rotation_sd_deg = {_ARM_SD_DEG}",
         )
-        self.settings.write_text("\n".join(lines) + "\n")
+        return "\n".join(lines) + "\n"
 
 
 @contextmanager
 def open_stage(folder: Path, http_port: int, truth: Path | None, teller: Teller) -> Iterator[Stage]:
     """Everything up; whatever was started is ended with the block. DemoFailed where something does not come up."""
     plan = _Plan(folder, free_loopback_address(), _free_port(), http_port, truth)
-    if plan.settings.exists():
-        raise DemoFailed(
-            "folder_used", f"{folder} has the record of another run, whose secrets are gone: name a new one"
-        )
-    try:
-        (folder / "service").mkdir(parents=True, exist_ok=True)
-        plan.write_settings()
-    except OSError as error:
-        raise DemoFailed("folder_refused", f"{error.filename}: {error.strerror}") from error
+    plan.begin()
+    with ExitStack() as parts:
+        try:
+            stage = _start(plan, teller, parts)
+        except BaseException:  # an interruption too
+            parts.close()
+            plan.take_back()
+            raise
+        yield stage
+
+
+def _start(plan: _Plan, teller: Teller, parts: ExitStack) -> Stage:
     people = draw_people()
-    with _room(plan) as room:
-        with teller.doing("the first users"):
-            for person in people.values():
-                add_person(person, plan.settings)
-        with _service(plan) as service:
-            with teller.doing("service and room come up"):
-                url = service.says("Coaxial listens on ", _UP_WITHIN_S)
-                door = Door(room.says("Room listens on ", _UP_WITHIN_S))
-            stage = Stage(url, door, people, folder, (service, room))
-            with closing(door):
-                _upload_devices(stage)
-                teller.tell(f"service {url}, room {door.url}, arm {plan.arm_address}")
-                yield stage
+    room = parts.enter_context(_room(plan))
+    with teller.doing("the first users"):
+        for person in people.values():
+            add_person(person, plan.settings)
+    service = parts.enter_context(_service(plan))
+    with teller.doing("service and room come up"):
+        url = service.says("Coaxial listens on ", _UP_WITHIN_S)
+        door = parts.enter_context(closing(Door(room.says("Room listens on ", _UP_WITHIN_S))))
+    stage = Stage(url, door, people, plan.folder, (service, room))
+    _upload_devices(stage)
+    teller.tell(f"service {url}, room {door.url}, arm {plan.arm_address}")
+    return stage
 
 
 def _room(plan: _Plan) -> Child:

@@ -1,5 +1,6 @@
 """`coaxial demo` says why it failed, and leaves nothing behind."""
 
+import socket
 import subprocess
 
 import pytest
@@ -35,3 +36,24 @@ def test_a_folder_that_cannot_be_made_is_named_in_one_line(tmp_path):
         assert demo.process.wait(30) == 1
     (line,) = demo.err.splitlines()
     assert line.startswith(f"failed: room: folder_refused: {tmp_path / 'file'}")
+    assert "Logs" not in line  # there are none
+
+
+def test_what_no_room_has_is_told_before_a_folder_is_made(tmp_path):
+    with running_demo(tmp_path, "--pedicle", "C7-left") as demo:
+        assert demo.process.wait(30) == 1
+    (line,) = demo.err.splitlines()
+    assert line.startswith("failed: room: pedicle_unknown: C7-left; there are L1-left, ")
+    assert not demo.data.exists()
+
+
+@pytest.mark.timeout(200)
+def test_a_start_that_fails_leaves_its_logs_and_the_folder_to_the_next(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        with running_demo(tmp_path, "--pedicle", "L3-left", "--port", str(port)) as demo:
+            assert demo.process.wait(120) == 1
+    (line,) = demo.err.splitlines()
+    assert line.startswith("failed: room: service_ended: ")
+    assert line.endswith(f"Logs: {demo.data}")
+    assert {file.name for file in demo.data.iterdir()} == {"room.log", "service.log"}
