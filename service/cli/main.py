@@ -5,7 +5,12 @@
 modules import what is heavy inside their functions, so that `--help` stays quick.
 """
 
+import errno
+import os
+import sys
+from contextlib import suppress
 from importlib.metadata import entry_points
+from io import TextIOWrapper
 from typing import Annotated, Any
 
 import typer
@@ -15,6 +20,8 @@ from service.cores import use_one_core_for_algebra
 from service.version import PRODUCT_VERSION
 
 _GROUP = "coaxial.commands"
+_UNUSABLE = 2
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class LazyCommands(PlainGroup):
@@ -52,4 +59,19 @@ def coaxial(
 def main() -> None:
     """Entry point of the installed command."""
     use_one_core_for_algebra()
-    app()
+    if isinstance(sys.stdout, TextIOWrapper):  # a name that the terminal has no letters for ends no command
+        sys.stdout.reconfigure(errors="backslashreplace")
+    try:
+        app()
+    except OSError as error:
+        if error.errno not in _FULL:
+            raise
+        with suppress(OSError):  # where that goes may be full too
+            typer.echo(f"error: {error.filename or 'what is printed is cut off'}: {error.strerror}", err=True)
+        _drop_the_rest()
+        sys.exit(_UNUSABLE)
+
+
+def _drop_the_rest() -> None:
+    """What could not be printed must not be tried again as the interpreter ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
