@@ -16,7 +16,8 @@ from service.ledger.keys import Signer
 _REMOVED = "removed"
 _UIDS = frozenset({"study_uid", "sop_uid", "series_uid"})
 # Written by people: nobody can say what stands in it.
-_WORDS = frozenset({"text", "reason", "what", "label", "abandoned", "overrides", "statement"})
+# The message of an interlock that was overridden is the surgeon's reason; what it was about, its code says.
+_WORDS = frozenset({"text", "reason", "what", "label", "abandoned", "overrides", "override", "message", "statement"})
 _PLACES = frozenset({"station", "address", "calling_ae"})
 
 

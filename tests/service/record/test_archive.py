@@ -18,6 +18,8 @@ from service.archive.checking import check_file
 from service.archive.container import open_archive
 from service.auth.permissions import Role
 from service.cases import store
+from service.cases.attempts import record_attempt
+from service.cases.records import NewAttempt, NewVerdict
 from service.cli.audit import audit
 from service.cli.case import case
 from service.database.current import current_database
@@ -259,10 +261,16 @@ def test_a_case_that_was_under_way_is_held_where_it_is_brought_to(make_site, els
 
 
 def test_a_pseudonymised_archive_names_nobody_and_says_what_it_is_not(site, tmp_path, elsewhere) -> None:
+    overridden = NewVerdict("image_age", "H03", True, 1900.0, 3600.0, "s", "overridden: Mrs Roe lies still")
+    with current_database(site.settings) as database, database.write() as connection:
+        record_attempt(
+            connection,
+            NewAttempt(site.case_id, None, "move_approved", True, "taken", "Mrs Roe", State.CLOSED, (overridden,)),
+        )
     plain = _export(site.folder, site.case_id, tmp_path / "plain.zip")
     hidden = _export(site.folder, site.case_id, tmp_path / "hidden.zip", "--pseudonymise")
     content = hidden.read_bytes()
-    for word in (b"Doe", b"anna", b"1.2.3", b"CARM"):
+    for word in (b"Doe", b"Roe", b"anna", b"1.2.3", b"CARM"):
         assert word in plain.read_bytes()
         assert word not in content, word
     verified = _run("verify", hidden)
