@@ -1,6 +1,7 @@
 """Idempotency-Key: the first answer to a key is kept in the transaction of its effect and given again (H14)."""
 
 import hashlib
+import hmac
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,7 @@ from sqlalchemy.engine import Connection
 from service.database import tables
 from service.database.clock import now_utc
 from service.errors import ErrorCode, ServiceError
+from service.ledger.keys import Signer
 
 _KEYS = tables.idempotency_keys
 _KEPT = sa.select(_KEYS).where(_KEYS.c.user_id == sa.bindparam("user_id"), _KEYS.c.key == sa.bindparam("key"))
@@ -21,7 +23,7 @@ class Intent:
 
     user_id: str
     key: str
-    request_sha256: str
+    request_mac: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,10 +35,18 @@ class KeptAnswer:
     version: int | None
 
 
-def intent_of(user_id: str, key: str, method: str, path: str, body: bytes) -> Intent:
-    """The intent of a request; two requests are the same only to the byte."""
-    digest = hashlib.sha256(b"\0".join((method.encode(), path.encode(), body))).hexdigest()
-    return Intent(user_id, key, digest)
+def intent_of(signer: Signer, user_id: str, key: str, method: str, path: str, body: bytes) -> Intent:
+    """The intent of a request; two requests are the same only to the byte.
+
+    Bodies hold PINs: a plain hash, kept in the database, would tell the PIN to whoever reads a backup and tries ten
+    thousand (H27). The secret of this one is outside the database.
+    """
+    request = b"\0".join((method.encode(), path.encode(), body))
+    return Intent(user_id, key, hmac.digest(_secret(signer), request, hashlib.sha256).hex())
+
+
+def _secret(signer: Signer) -> bytes:
+    return bytes.fromhex(signer.sign("coaxial idempotency keys"))
 
 
 def kept_answer(connection: Connection, intent: Intent) -> KeptAnswer | None:
@@ -47,7 +57,7 @@ def kept_answer(connection: Connection, intent: Intent) -> KeptAnswer | None:
     row = connection.execute(_KEPT, {"user_id": intent.user_id, "key": intent.key}).first()
     if row is None:
         return None
-    if row.request_sha256 != intent.request_sha256:
+    if row.request_sha256 != intent.request_mac:
         raise ServiceError(ErrorCode.IDEMPOTENCY_KEY_REUSED, f"key {intent.key} was used for another request")
     return KeptAnswer(row.status, row.body, row.version)
 
@@ -58,7 +68,7 @@ def keep_answer(connection: Connection, intent: Intent, answer: KeptAnswer) -> N
         sa.insert(_KEYS).values(
             user_id=intent.user_id,
             key=intent.key,
-            request_sha256=intent.request_sha256,
+            request_sha256=intent.request_mac,
             status=answer.status,
             body=answer.body,
             version=answer.version,

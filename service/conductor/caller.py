@@ -12,8 +12,9 @@ from fastapi import Depends, Header, Request
 from service.auth.dependencies import require
 from service.auth.permissions import Permission, Role
 from service.auth.session import Session
-from service.cases.idempotency import Intent, intent_of
-from service.cases.preconditions import expected_version, intent
+from service.cases.idempotency import Intent
+from service.cases.preconditions import expected_version, intent, meant_by
+from service.parts import Parts, parts_of
 from workflow.overrides import Override
 
 
@@ -58,12 +59,10 @@ def stating(permission: Permission) -> Callable[..., Awaitable[Caller]]:
         request: Request,
         case_id: str,
         session: Annotated[Session, Depends(require(permission))],
+        parts: Annotated[Parts, Depends(parts_of)],
         idempotency_key: Annotated[str | None, Header(max_length=128)] = None,
     ) -> Caller:
-        meant = None
-        if idempotency_key:
-            body = await request.body()
-            meant = intent_of(session.user_id, idempotency_key, request.method, request.url.path, body)
+        meant = await meant_by(request, session, parts, idempotency_key) if idempotency_key else None
         return Caller(session, case_id, None, meant, None)
 
     return caller

@@ -107,7 +107,7 @@ idempotency_keys = Table(
     metadata,
     Column("user_id", String, primary_key=True),
     Column("key", String(128), primary_key=True),
-    Column("request_sha256", String(64), nullable=False),
+    Column("request_sha256", String(64), nullable=False),  # keyed: a body may hold a PIN
     Column("status", Integer, nullable=False),
     Column("body", JSON, nullable=False),
     Column("version", Integer),

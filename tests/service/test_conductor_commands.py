@@ -1,5 +1,6 @@
 """Commands over HTTP against the whole service, with a real database and no arm."""
 
+import hashlib
 import json
 import threading
 from collections.abc import Callable, Iterator
@@ -8,11 +9,13 @@ from uuid import uuid4
 
 import httpx
 import pytest
+import sqlalchemy as sa
 
 from coaxial_client import Case, Coaxial, Refused
 from service.auth.permissions import Role
 from service.cases.opening import CaseToOpen, open_case
 from service.conductor.routers import CONDUCTOR_ROUTERS
+from service.database import tables
 from workflow.triggers import Kind, Trigger
 
 _CASE = {
@@ -230,6 +233,21 @@ def test_a_case_with_an_open_target_does_not_close_until_it_is_abandoned_with_a_
     assert _refusal(lambda: case.command("case-closed", pin="2468")).code == "targets_open"
     closed = case.command("case-closed", pin="2468", abandoned={"L3 left": "narrow pedicle"})
     assert closed["state"] == "closed"
+
+
+@pytest.mark.hazard("H27")
+def test_what_is_kept_of_an_answered_request_tells_nobody_the_pin_that_was_in_it(running, case) -> None:
+    case.command("guide-state-stated", guide="empty")
+    path, headers = f"/api/cases/{case.id}/case-closed", _headers(case) | {"Content-Type": "application/json"}
+    body = {"pin": "2468", "abandoned": {"L3 left": "narrow pedicle"}}
+    with running.client() as surgeon:
+        assert surgeon.post(path.removeprefix("/api"), content=json.dumps(body), headers=headers).status_code == 200
+    with running.parts.database.read() as connection:
+        query = sa.select(tables.idempotency_keys).where(tables.idempotency_keys.c.key == headers["Idempotency-Key"])
+        kept = repr(connection.execute(query).one())
+    for pin in range(10_000):
+        request = ["POST", path, json.dumps(body | {"pin": f"{pin:04}"})]
+        assert hashlib.sha256("\0".join(request).encode()).hexdigest() not in kept, f"it was {pin:04}"
 
 
 def test_device_files_can_be_changed_and_an_unknown_one_is_refused(case) -> None:

@@ -5,15 +5,17 @@ from dataclasses import replace
 
 import pytest
 import sqlalchemy as sa
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 from sqlalchemy.exc import IntegrityError
 
 from service.auth.permissions import Role
 from service.cases import store
 from service.cases.attempts import list_attempts, record_attempt
-from service.cases.idempotency import KeptAnswer, intent_of, keep_answer, kept_answer
+from service.cases.idempotency import Intent, KeptAnswer, intent_of, keep_answer, kept_answer
 from service.cases.records import ArtefactKind, NewArtefact, NewAttempt, NewCase, NewEvent, NewVerdict
 from service.database import tables
 from service.errors import ErrorCode, ServiceError
+from service.ledger.keys import Signer, Verifier
 
 EVENT = NewEvent("noted", None, "case_open", {"state": "case_open"}, {})
 
@@ -126,9 +128,14 @@ def test_a_number_that_is_not_finite_is_kept_as_text(database, case):
         assert store.newest_event(connection, "case-1").data == {"rms": "nan", "list": ["-inf", 1.5]}
 
 
+def _intent(user_id: str, key: str, body: bytes) -> Intent:
+    key_of_all = Ed25519PrivateKey.from_private_bytes(bytes(32))
+    return intent_of(Signer(key_of_all, Verifier(key_of_all.public_key())), user_id, key, "POST", "/x", body)
+
+
 @pytest.mark.hazard("H14")
 def test_64_equal_requests_have_one_effect_and_one_answer(database, case):
-    meant = intent_of("anna", "key-1", "POST", "/x", b"{}")
+    meant = _intent("anna", "key-1", b"{}")
     answers = []
 
     def post() -> None:
@@ -152,11 +159,11 @@ def test_64_equal_requests_have_one_effect_and_one_answer(database, case):
 
 def test_a_key_for_another_body_is_refused_and_another_users_key_is_another_key(database):
     with database.write() as connection:
-        keep_answer(connection, intent_of("anna", "k", "POST", "/x", b"1"), KeptAnswer(200, {}, 1))
+        keep_answer(connection, _intent("anna", "k", b"1"), KeptAnswer(200, {}, 1))
     with database.read() as connection:
         with pytest.raises(ServiceError) as refusal:
-            kept_answer(connection, intent_of("anna", "k", "POST", "/x", b"2"))
-        assert kept_answer(connection, intent_of("ben", "k", "POST", "/x", b"2")) is None
+            kept_answer(connection, _intent("anna", "k", b"2"))
+        assert kept_answer(connection, _intent("ben", "k", b"2")) is None
     assert refusal.value.code == ErrorCode.IDEMPOTENCY_KEY_REUSED
 
 
