@@ -22,6 +22,7 @@ class ErrorCode(StrEnum):
     SESSION_EXPIRED = "session_expired"
     SESSION_LOCKED = "session_locked"
     LOCKED_OUT = "locked_out"
+    SIGN_IN_BUSY = "sign_in_busy"
     PERMISSION_MISSING = "permission_missing"
     PIN_REFUSED = "pin_refused"
     ORIGIN_REFUSED = "origin_refused"
@@ -154,6 +155,7 @@ ANSWERS: dict[str, Answer] = {
     ErrorCode.SESSION_EXPIRED: Answer(401, "Sign in again; stop still works."),
     ErrorCode.SESSION_LOCKED: Answer(401, "Unlock with the PIN; stop still works."),
     ErrorCode.LOCKED_OUT: Answer(429, "Wait until the time in the answer has passed, or ask an engineer."),
+    ErrorCode.SIGN_IN_BUSY: Answer(503, "Try again in a moment."),
     ErrorCode.PERMISSION_MISSING: Answer(403, "Ask someone whose role has this permission."),
     ErrorCode.PIN_REFUSED: Answer(403, "Enter the PIN again."),
     ErrorCode.ORIGIN_REFUSED: Answer(403, "Open the page from the service itself, or name its origin in the settings."),

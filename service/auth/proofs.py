@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from threading import Lock
 
 import sqlalchemy as sa
 from limits import RateLimitItemPerSecond
@@ -9,6 +10,7 @@ from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
 
 from service.audit import record_audit
+from service.auth.door import Door
 from service.auth.session import Session
 from service.auth.users import User, UserStore
 from service.database import tables
@@ -18,7 +20,11 @@ from service.settings import SessionSettings
 
 
 class Proofs:
-    """Checks answers. Each check costs a quarter of a second of hashing: call from a thread."""
+    """Checks answers, one after the other. Each costs a quarter of a second of hashing: call from a thread.
+
+    Side by side, checks would take the processor from a stop and 64 MiB each, and as many wrong answers as come at
+    once would be tried before the first is counted (H27, H32). Who has signed in does not wait for who has not.
+    """
 
     def __init__(
         self,
@@ -31,15 +37,16 @@ class Proofs:
         self._users = users
         self._settings = settings
         self._now_s = now_s
+        self._door, self._pins = Door(), Lock()
         self._limiter = MovingWindowRateLimiter(MemoryStorage())
         self._allowance = RateLimitItemPerSecond(settings.wrong_answers, settings.wrong_answers_window_s)
 
     def sign_in(self, name: str, password: str) -> User:
-        """The user with this name and password; ServiceError SIGN_IN_REFUSED or LOCKED_OUT."""
+        """The user with this name and password; ServiceError SIGN_IN_REFUSED, SIGN_IN_BUSY or LOCKED_OUT."""
         return self._signed_in(f"password:{name}", lambda: self._users.with_password(name, password))
 
     def sign_in_with_pin(self, name: str, pin: str) -> User:
-        """The user with this name and PIN; ServiceError SIGN_IN_REFUSED or LOCKED_OUT.
+        """The user with this name and PIN; ServiceError SIGN_IN_REFUSED, SIGN_IN_BUSY or LOCKED_OUT.
 
         SIGN_IN_REFUSED too where the site wants the password: the answer tells nobody which PIN is right.
         """
@@ -47,22 +54,24 @@ class Proofs:
         return self._signed_in(f"pin-sign-in:{name}", lambda: self._users.with_pin(name, pin) if allowed else None)
 
     def _signed_in(self, subject: str, prove: Callable[[], User | None]) -> User:
-        self._refuse_locked_out(subject)
-        user = prove()
-        if user is None:
-            self._count_wrong_answer(subject, None)
-            raise ServiceError(ErrorCode.SIGN_IN_REFUSED, "name or secret is wrong")
-        self._limiter.clear(self._allowance, subject)
-        return user
+        with self._door.turn():
+            self._refuse_locked_out(subject)
+            user = prove()
+            if user is None:
+                self._count_wrong_answer(subject, None)
+                raise ServiceError(ErrorCode.SIGN_IN_REFUSED, "name or secret is wrong")
+            self._limiter.clear(self._allowance, subject)
+            return user
 
     def confirm_pin(self, session: Session, pin: str) -> None:
         """Return if `pin` is the session's user's; ServiceError PIN_REFUSED or LOCKED_OUT otherwise."""
         subject = f"pin:{session.user_id}"
-        self._refuse_locked_out(subject)
-        if not self._users.pin_matches(session.user_id, pin):
-            self._count_wrong_answer(subject, session.user_id)
-            raise ServiceError(ErrorCode.PIN_REFUSED, "the PIN is wrong")
-        self._limiter.clear(self._allowance, subject)
+        with self._pins:
+            self._refuse_locked_out(subject)
+            if not self._users.pin_matches(session.user_id, pin):
+                self._count_wrong_answer(subject, session.user_id)
+                raise ServiceError(ErrorCode.PIN_REFUSED, "the PIN is wrong")
+            self._limiter.clear(self._allowance, subject)
 
     def _refuse_locked_out(self, subject: str) -> None:
         query = sa.select(tables.lock_outs.c.until_s).where(tables.lock_outs.c.subject == subject)

@@ -73,7 +73,7 @@ def _view(session: Session, parts: Parts) -> dict[str, Any]:
     "/session",
     status_code=201,
     dependencies=[Depends(refuse_foreign_origin)],
-    openapi_extra=may_fail_with(ErrorCode.SIGN_IN_REFUSED, ErrorCode.LOCKED_OUT),
+    openapi_extra=may_fail_with(ErrorCode.SIGN_IN_REFUSED, ErrorCode.SIGN_IN_BUSY, ErrorCode.LOCKED_OUT),
 )
 def sign_in(body: SignIn, response: Response, parts: Annotated[Parts, Depends(parts_of)]) -> SignedIn:
     """Sign in: a bearer token, and the same as a cookie."""

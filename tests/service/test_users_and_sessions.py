@@ -1,15 +1,22 @@
 """Users, sessions, lock-out: the clock is injected, the database is real."""
 
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import replace
+from queue import SimpleQueue
+from threading import Barrier, BrokenBarrierError
 
 import pytest
 import sqlalchemy as sa
+from argon2 import PasswordHasher
 
 from service.auth import sessions as sessions_module
+from service.auth.door import MOST_AT_THE_DOOR, Door
 from service.auth.permissions import Role
 from service.auth.proofs import Proofs
 from service.auth.session import SessionStatus
 from service.auth.sessions import SessionStore
+from service.auth.users import UserStore
 from service.database import tables
 from service.database.engines import Database
 from service.errors import ErrorCode, ServiceError
@@ -102,6 +109,56 @@ def test_the_last_wrong_answer_locks_out_the_right_one_too_until_the_time_is_ove
     assert _code(proofs.sign_in, "anna", "correct horse") == ErrorCode.LOCKED_OUT
     clock.now_s += 61
     assert proofs.sign_in("anna", "correct horse") == anna
+
+
+class _Together(PasswordHasher):
+    """Answers that come at once are compared at once, if they are let; a real hash takes long enough for that."""
+
+    def __init__(self, answers: int) -> None:
+        super().__init__(time_cost=1, memory_cost=8, parallelism=1)
+        self._all_here = Barrier(answers)
+
+    def verify(self, *given):
+        with suppress(BrokenBarrierError):
+            self._all_here.wait(0.3)
+        return super().verify(*given)
+
+
+@pytest.mark.hazard("H27")
+@pytest.mark.parametrize("by", ["password", "pin", "pin of a session"])
+def test_of_wrong_answers_that_come_at_once_no_more_are_compared_than_lock_out(database, sessions, anna, clock, by):
+    proofs = Proofs(database, UserStore(database, _Together(6)), _RULES, clock)
+    _, session = sessions.create(anna)
+    ways = {
+        "password": lambda: proofs.sign_in("anna", "wrong"),
+        "pin": lambda: proofs.sign_in_with_pin("anna", "0000"),
+        "pin of a session": lambda: proofs.confirm_pin(session, "0000"),
+    }
+    with ThreadPoolExecutor(6) as threads:
+        codes = list(threads.map(lambda _: _code(ways[by]), range(6)))
+    assert codes.count(ErrorCode.LOCKED_OUT) == 3, codes
+
+
+@pytest.mark.hazard("H32")
+def test_of_many_who_sign_in_at_once_few_wait_and_the_others_are_told_at_once():
+    door, refused = Door(), SimpleQueue()
+
+    def knock() -> bool:
+        try:
+            with door.turn():
+                return True
+        except ServiceError as refusal:
+            refused.put(refusal.code)
+            return False
+
+    with ThreadPoolExecutor(20) as threads:
+        with door.turn():
+            knocking = [threads.submit(knock) for _ in range(20)]
+            codes = {refused.get(timeout=10) for _ in range(20 - (MOST_AT_THE_DOOR - 1))}
+        let_in = [one.result() for one in knocking].count(True)
+    assert codes == {ErrorCode.SIGN_IN_BUSY}
+    assert let_in == MOST_AT_THE_DOOR - 1
+    assert knock()
 
 
 def test_a_lock_out_survives_a_restart(database, users, proofs, anna, clock):
