@@ -1,10 +1,11 @@
 """The device files that a case uses now: those it was opened with, or those that replaced them since."""
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import lru_cache
+from typing import TypeVar
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Connection
@@ -13,8 +14,10 @@ from robot.room_shapes import RoomShapes, read_room
 from robot.tool import Tool, read_tool
 from service.database import tables
 from service.devices.store import DeviceKind, expired, files_with_bytes
+from service.errors import ErrorCode, ServiceError
 from workflow.triggers import Trigger
 
+_File = TypeVar("_File", Tool, RoomShapes)
 _CHANGES = (
     sa.select(tables.events.c.data)
     .where(tables.events.c.case_id == sa.bindparam("case_id"), tables.events.c.trigger == Trigger.DEVICE_CHANGED)
@@ -53,17 +56,20 @@ def changed_devices(connection: Connection, case_id: str, opened: Mapping[str, s
 
 
 def read_devices(connection: Connection, ids: Mapping[str, str]) -> DeviceSet:
-    """The files; ServiceError DEVICE_UNKNOWN."""
+    """The files; ServiceError DEVICE_UNKNOWN, DEVICE_REFUSED where one cannot be read (any more)."""
     today = datetime.now(UTC).date()
     chosen = {kind: ids[kind] for kind in DeviceKind if kind in ids}
     found = files_with_bytes(connection, chosen.values())
+    for kind, device_id in chosen.items():
+        if found[device_id][0].kind is not kind:
+            raise ServiceError(ErrorCode.DEVICE_UNKNOWN, f"device file {device_id} is no {kind} file")
     files = {kind: found[device_id][0] for kind, device_id in chosen.items()}
     contents = {kind: found[device_id][1] for kind, device_id in chosen.items()}
     return DeviceSet(
         guide=contents[DeviceKind.GUIDE],
         carm=contents[DeviceKind.CARM],
-        tool=_tool(contents[DeviceKind.TCP]),
-        room=_room(contents[DeviceKind.ROOM]) if DeviceKind.ROOM in contents else None,
+        tool=_read(_tool, DeviceKind.TCP, contents),
+        room=_read(_room, DeviceKind.ROOM, contents) if DeviceKind.ROOM in contents else None,
         sha256=_joint_hash(file.sha256 for file in files.values()),
         bytes_sha256=_joint_hash(hashlib.sha256(content).hexdigest() for content in contents.values()),
         in_date=not any(expired(file, today) for file in files.values()),
@@ -77,6 +83,14 @@ def devices_of(connection: Connection, case_id: str) -> DeviceSet:
 
 def _joint_hash(hashes: Iterable[str]) -> str:
     return hashlib.sha256(" ".join(hashes).encode()).hexdigest()
+
+
+def _read(reader: Callable[[bytes], _File], kind: DeviceKind, contents: Mapping[DeviceKind, bytes]) -> _File:
+    """A file that was readable when it was stored; today's program may be stricter."""
+    try:
+        return reader(contents[kind])
+    except ValueError as error:
+        raise ServiceError(ErrorCode.DEVICE_REFUSED, f"the case's {kind} file: {error}") from error
 
 
 @lru_cache(maxsize=16)

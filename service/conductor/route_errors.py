@@ -31,7 +31,7 @@ _TARGET = (ImageRefusal.TARGET_NOT_FINITE, ImageRefusal.TARGET_OUTSIDE_IMAGE, Im
 
 READING = may_fail_with(ErrorCode.CASE_UNKNOWN)
 STATING = may_fail_with(*_FACT)
-STATING_ABOUT_A_FILE = may_fail_with(*_FACT, ErrorCode.DEVICE_UNKNOWN)
+STATING_ABOUT_A_FILE = may_fail_with(*_FACT, ErrorCode.DEVICE_UNKNOWN, ErrorCode.DEVICE_REFUSED)
 STATING_ABOUT_AN_IMAGE = may_fail_with(*_FACT, ErrorCode.IMAGE_UNKNOWN)
 STATING_AN_IDENTITY = may_fail_with(
     ErrorCode.CASE_UNKNOWN,

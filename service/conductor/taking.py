@@ -22,11 +22,15 @@ from workflow.case import CaseState
 from workflow.case_json import from_json, to_json
 from workflow.decisions import Decision, Effect
 from workflow.facts import Facts
+from workflow.interlocks import GOES_FURTHER, REQUIRED
 from workflow.limits import Limits
 from workflow.machine import decide
 from workflow.refusals import Refusal
 from workflow.snapshot import SafetySnapshot, unknown_snapshot
-from workflow.triggers import Kind, Trigger
+from workflow.triggers import Trigger
+
+# What an interlock judges, and the status, which tells what each would say.
+_MEASURED = REQUIRED.keys() | GOES_FURTHER | {Trigger.READ}
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,13 +42,13 @@ class Standing:
     case: CaseState
     snapshot: SafetySnapshot
     lease: Lease | None
-    read_devices: DeviceSet | None  # None for a fact, which no device judges
+    read_devices: DeviceSet | None  # None for what no interlock judges
 
     @property
     def devices(self) -> DeviceSet:
         """The device files that a request is judged with."""
         if self.read_devices is None:
-            raise AssertionError("no device file was read for a fact")
+            raise AssertionError("no device file was read for what no interlock judges")
         return self.read_devices
 
 
@@ -95,13 +99,14 @@ class Rules:
 
 
 def stand(connection: Connection, rules: Rules, case_id: str, trigger: Trigger) -> Standing:
-    """The case and the world; ServiceError CASE_UNKNOWN, CASE_ELSEWHERE.
+    """The case and the world; ServiceError CASE_UNKNOWN, CASE_ELSEWHERE, DEVICE_REFUSED.
 
-    Nothing is measured for a fact: no interlock judges it, and what a person states should not wait for a reading.
+    Nothing is measured for what no interlock judges: a fact, a stop or a restart should not wait for a reading, nor
+    fail at a device file that cannot be read any more.
     """
     opened, last = case_here(connection, rules, case_id)
     case, lease = from_json(dict(last.case_state)), lease_of(connection, case_id)
-    if trigger.kind is Kind.FACT:
+    if trigger not in _MEASURED:
         return Standing(connection, last, case, unknown_snapshot(), lease, None)
     devices = read_devices(connection, changed_devices(connection, case_id, opened.devices))
     configuration = configuration_of(opened, rules.settings_sha256, devices)
