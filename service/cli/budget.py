@@ -130,11 +130,13 @@ def _share_to_json(share: "Share") -> dict[str, float]:
 def _print_table(
     result: "Budget", checked: "Check | None", alone: "dict[ErrorSource, SourceCheck]", depth_mm: float
 ) -> None:
+    from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(title=f"Targeting error at {depth_mm:g} mm, 95 %")
-    table.add_column("source")
+    # Lines between columns would cost the names their ends in a terminal of 80.
+    table = Table(title=f"Targeting error at {depth_mm:g} mm, 95 %", box=SIMPLE_HEAD, padding=0)
+    table.add_column("source", no_wrap=True)
     drawn = ("deg drawn", "mm drawn") if checked else ()
     for heading in ("deg alone", "mm alone", "of angle", "of position", *drawn):
         table.add_column(heading, justify="right")
