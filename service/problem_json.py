@@ -5,7 +5,7 @@ from typing import Any
 
 import structlog
 from fastapi import FastAPI, Request
-from fastapi.exceptions import RequestValidationError
+from fastapi.exceptions import RequestValidationError, ValidationException, WebSocketRequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel
 from starlette.exceptions import HTTPException
@@ -57,7 +57,7 @@ def answer_error(error: ServiceError, headers: dict[str, str] | None = None, **m
     return JSONResponse(problem.model_dump(mode="json"), problem.status, headers, MEDIA_TYPE)
 
 
-def answer_malformed(error: RequestValidationError) -> JSONResponse:
+def answer_malformed(error: ValidationException) -> JSONResponse:
     """The whole answer for a request whose fields are not what they must be, each named."""
     fields = [{"field": ".".join(map(str, one["loc"])), "problem": one["msg"]} for one in error.errors()]
     first = f"{fields[0]['field']}: {fields[0]['problem']}" if fields else "the request cannot be read"
@@ -68,6 +68,7 @@ def add_problem_handlers(app: FastAPI) -> None:
     """Answer every error of `app` as problem+json."""
     app.add_exception_handler(ServiceError, _service_error)
     app.add_exception_handler(RequestValidationError, _malformed)
+    app.add_exception_handler(WebSocketRequestValidationError, _malformed)
     app.add_exception_handler(HTTPException, _framework_error)
     app.add_exception_handler(Exception, _fault)
 
@@ -79,13 +80,15 @@ async def _service_error(request: Request, error: Exception) -> JSONResponse:
 
 
 async def _malformed(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, RequestValidationError)  # noqa: S101  registered for this type only
+    assert isinstance(error, ValidationException)  # noqa: S101  registered for its kinds only
     _log.warning("request_refused", code=ErrorCode.MALFORMED_REQUEST, method=_method(request), route=_route(request))
     return answer_malformed(error)
 
 
 async def _framework_error(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)  # noqa: S101  registered for this type only
+    if isinstance(error.__cause__, ServiceError):  # raised while the framework read the body, and wrapped by it
+        return await _service_error(request, error.__cause__)
     code = code_for_status(error.status_code)
     _log.warning("request_refused", code=code, method=_method(request), route=_route(request))
     return answer_error(ServiceError(code, f"{_method(request)} {request.url.path}"), dict(error.headers or {}))

@@ -11,7 +11,7 @@ from service.conductor.taking import Taken
 from service.conductor.verdict_json import kept_verdict, verdict_json
 from service.database.engines import Database
 from service.errors import ErrorCode, ServiceError
-from workflow.refusals import Refusal
+from workflow.refusals import Refusal, RefusalCode
 from workflow.triggers import Trigger
 
 _log = structlog.get_logger(__name__)
@@ -36,8 +36,12 @@ def answer_of(taken: Taken) -> CommandAnswer:
 
 
 def error_of(refusal: Refusal) -> ServiceError:
-    """A refusal of the rules as the caller sees it: the first interlock that refused, and all verdicts."""
-    first = next(iter(refusal.failed), None)
+    """A refusal of the rules as the caller sees it, with all verdicts.
+
+    What the first interlock measured stands beside it only where interlocks refused: of a case that is held, or of a
+    link of the chain that is missing, it says nothing.
+    """
+    first = next(iter(refusal.failed), None) if refusal.code is RefusalCode.INTERLOCK else None
     _log.warning("command_refused", trigger=refusal.trigger, state=refusal.state, code=refusal.code)
     return ServiceError(
         refusal.code,

@@ -23,7 +23,7 @@ class VerdictAnswer(BaseModel):
 
 
 class CommandAnswer(BaseModel):
-    """What a command did. `version` is the case's now, also in the ETag; `made` maps a kind to the id made."""
+    """What a command did. `version` is the case's now, for the next If-Match; `made` maps a kind to the id made."""
 
     case_id: str
     trigger: str

@@ -15,8 +15,10 @@ from service.auth.dependencies import bearer_or_cookie, require
 from service.auth.permissions import Permission, allows
 from service.auth.session import SessionStatus
 from service.cases import store
+from service.cases.router import LARGEST_SEQUENCE
 from service.cases.server_sent import KEEP_ALIVE
 from service.conductor.route_errors import READING
+from service.openapi import answers_with
 from service.parts import Parts, parts_of
 
 router = APIRouter(tags=["status"])
@@ -29,6 +31,8 @@ _CHECK_S = 10.0
 
 @router.get(
     "/cases/{case_id}/events",
+    response_class=StreamingResponse,
+    responses=answers_with("text/event-stream"),
     openapi_extra=READING,
     dependencies=[Depends(require(Permission.READ))],
     response_model=None,
@@ -37,7 +41,7 @@ async def follow_events(
     request: Request,
     case_id: str,
     parts: Annotated[Parts, Depends(parts_of)],
-    last_event_id: Annotated[int, Header(ge=0)] = 0,
+    last_event_id: Annotated[int, Header(ge=0, le=LARGEST_SEQUENCE)] = 0,
 ) -> StreamingResponse:
     """Every event behind Last-Event-ID, then each new one; `id` is the sequence number, `event` the trigger.
 

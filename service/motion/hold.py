@@ -10,6 +10,7 @@ from typing import Annotated, Any, Self
 import structlog
 from fastapi import APIRouter, Depends, Query, WebSocket, WebSocketDisconnect
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from starlette.status import WS_1008_POLICY_VIOLATION
 
 from robot.frames import Transform, distance_between
 from robot.guard.messages import Heartbeat, Status
@@ -132,6 +133,8 @@ async def _forward(held: _Hold) -> None:
                 held.conductor.bridge.heartbeat(Heartbeat(held.permit_id, beat.number, beat.challenge, beat.held))
     except (WebSocketDisconnect, ValidationError, KeyError) as error:  # KeyError: a binary message
         _log.info("hold_ended", case_id=held.caller.case_id, reason=type(error).__name__)
+        if not isinstance(error, WebSocketDisconnect):
+            await held.socket.close(WS_1008_POLICY_VIOLATION, "no heartbeat")
 
 
 async def _report(held: _Hold) -> None:

@@ -10,6 +10,8 @@ from uuid import uuid4
 import httpx
 import pytest
 import sqlalchemy as sa
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
 
 from coaxial_client import Case, Coaxial, Refused
 from service.auth.permissions import Role
@@ -215,11 +217,26 @@ def test_a_hold_without_a_permit_is_refused_with_every_verdict(case) -> None:
     assert {"permit_current", "hold_pressed"} <= refused
 
 
+def test_what_an_interlock_measured_is_not_told_as_the_measure_of_a_case_that_is_held(case) -> None:
+    case.take_lease("start")
+    case.command("hold-requested", reason="look")
+    held = _refusal(lambda: case.command("insertion-started", pin="2468"))
+    assert (held.code, held.measured, held.limit) == ("held", None, None)
+    assert any(verdict["limit"] is not None for verdict in held.verdicts if not verdict["passed"])
+
+
+def test_a_hold_that_names_no_permit_is_refused_as_any_request_is(running, case) -> None:
+    url = f"{running.url.replace('http', 'ws', 1)}/api/cases/{case.id}/hold"
+    headers = {"Authorization": f"Bearer {running.tokens[Role.SURGEON]}"}
+    with pytest.raises(InvalidStatus) as caught, connect(url, additional_headers=headers):
+        pass
+    problem = json.loads(caught.value.response.body)
+    assert (caught.value.response.status_code, problem["code"]) == (422, "malformed_request")
+    assert [one["field"] for one in problem["fields"]] == ["query.permit"]
+
+
 @pytest.mark.hazard("H27")
 def test_a_hold_from_another_site_is_refused(running, case) -> None:
-    from websockets.exceptions import InvalidStatus
-    from websockets.sync.client import connect
-
     url = f"{running.url.replace('http', 'ws', 1)}/api/cases/{case.id}/hold?permit=p"
     headers = {"Authorization": f"Bearer {running.tokens[Role.SURGEON]}", "Origin": "https://elsewhere.example"}
     with pytest.raises(InvalidStatus) as caught, connect(url, additional_headers=headers):

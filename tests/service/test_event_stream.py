@@ -49,6 +49,12 @@ def test_a_comment_comes_while_nothing_happens(running, case):
         assert [next(lines) for _ in range(4)] == [":", "", ":", ""]
 
 
+def test_an_event_id_that_no_case_has_is_refused_before_the_stream_begins(running, case):
+    headers = {"Authorization": f"Bearer {running.tokens[Role.SURGEON]}", "Last-Event-ID": "9" * 40}
+    response = httpx.get(f"{running.url}/api/cases/{case}/events", headers=headers, timeout=30)
+    assert (response.status_code, response.json()["code"]) == (422, "malformed_request")
+
+
 def test_signing_out_ends_the_stream_before_the_next_event(running, case, users):
     token = running.parts.sessions.create(users.list()[0])[0]
     with _lines(running, case, token) as lines:

@@ -113,8 +113,13 @@ def test_only_the_newest_permit_and_that_of_the_motion_under_way_are_heard(live,
     async def receive_text() -> str:
         return next(words, "no heartbeat")
 
+    async def close(code: int, _reason: str) -> None:
+        closed.append(code)
+
+    closed: list[int] = []
     bridge = SimpleNamespace(heartbeat=passed_on.append)
     caller = Caller(SimpleNamespace(id="holder"), "case", None, None, 2)
-    socket = SimpleNamespace(receive_text=receive_text)
+    socket = SimpleNamespace(receive_text=receive_text, close=close)
     asyncio.run(hold._forward(hold._Hold(socket, SimpleNamespace(bridge=bridge, live=live), caller, "p", "goal")))
     assert [beat.held for beat in passed_on] == ([True, False] if heard else [])
+    assert closed == [1008]  # what is no heartbeat ends the hold, and its sender is told so
