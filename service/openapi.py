@@ -11,6 +11,12 @@ from service.errors import ErrorCode, answer_for
 from service.problem_json import MEDIA_TYPE, Problem
 
 _KEY = "x-error-codes"
+# What a session's token is sent as; a route that needs none says so itself, by NO_SESSION.
+_SESSION = {
+    "bearer": {"type": "http", "scheme": "bearer", "description": "the token that POST /api/session answers with"},
+    "cookie": {"type": "apiKey", "in": "cookie", "name": "coaxial_session"},
+}
+NO_SESSION: dict[str, Any] = {"security": []}
 _METHODS = frozenset({"get", "post", "put", "patch", "delete"})
 
 # What any request can meet, whatever it asks.
@@ -35,6 +41,11 @@ def may_fail_with(*codes: str) -> dict[str, Any]:
     return {_KEY: [str(code) for code in codes]}
 
 
+def answers_with(*media_types: str) -> dict[int | str, dict[str, Any]]:
+    """For a route's `responses`: that it answers with a file or a stream of one of these kinds, and not with JSON."""
+    return {200: {"content": {media_type: {} for media_type in media_types}}}
+
+
 def described_by(app: FastAPI) -> Callable[[], dict[str, Any]]:
     """A replacement for `app.openapi` that lists every error."""
 
@@ -50,6 +61,8 @@ def described_by(app: FastAPI) -> Callable[[], dict[str, Any]]:
 def _with_errors(schema: dict[str, Any]) -> dict[str, Any]:
     schemas = schema.setdefault("components", {}).setdefault("schemas", {})
     schemas["Problem"] = Problem.model_json_schema(ref_template="#/components/schemas/{model}")
+    schema["components"]["securitySchemes"] = _SESSION
+    schema["security"] = [{name: []} for name in _SESSION]
     schemas.pop("HTTPValidationError", None)
     schemas.pop("ValidationError", None)
     for path in schema["paths"].values():

@@ -13,7 +13,7 @@ from service.auth.dependencies import require
 from service.auth.permissions import Permission
 from service.auth.session import Session
 from service.errors import ErrorCode
-from service.openapi import may_fail_with
+from service.openapi import answers_with, may_fail_with
 from service.parts import Parts, parts_of
 
 router = APIRouter(tags=["audit"])
@@ -22,6 +22,7 @@ router = APIRouter(tags=["audit"])
 @router.get(
     "/cases/{case_id}/export",
     response_class=FileResponse,
+    responses=answers_with("application/zip"),
     openapi_extra=may_fail_with(ErrorCode.CASE_UNKNOWN, ErrorCode.ARCHIVE_REFUSED),
 )
 def read_archive(

@@ -11,7 +11,7 @@ from service.auth.dependencies import COOKIE, any_session, bearer_or_cookie, ref
 from service.auth.permissions import ROLE_PERMISSIONS
 from service.auth.session import Session, SessionStatus
 from service.errors import ErrorCode, ServiceError
-from service.openapi import may_fail_with
+from service.openapi import NO_SESSION, may_fail_with
 from service.parts import Parts, parts_of
 
 router = APIRouter(tags=["session"])
@@ -73,7 +73,7 @@ def _view(session: Session, parts: Parts) -> dict[str, Any]:
     "/session",
     status_code=201,
     dependencies=[Depends(refuse_foreign_origin)],
-    openapi_extra=may_fail_with(ErrorCode.SIGN_IN_REFUSED, ErrorCode.SIGN_IN_BUSY, ErrorCode.LOCKED_OUT),
+    openapi_extra=may_fail_with(ErrorCode.SIGN_IN_REFUSED, ErrorCode.SIGN_IN_BUSY, ErrorCode.LOCKED_OUT) | NO_SESSION,
 )
 def sign_in(body: SignIn, response: Response, parts: Annotated[Parts, Depends(parts_of)]) -> SignedIn:
     """Sign in: a bearer token, and the same as a cookie."""

@@ -13,7 +13,7 @@ from service.auth.session import Session
 from service.devices import store
 from service.devices.store import DeviceKind
 from service.errors import ErrorCode
-from service.openapi import may_fail_with
+from service.openapi import answers_with, may_fail_with
 from service.parts import Parts, parts_of
 
 router = APIRouter(tags=["devices"])
@@ -67,7 +67,10 @@ def list_all_devices(_: Reader, parts: PartsOfRoom) -> list[DeviceView]:
 
 
 @router.get(
-    "/devices/{device_id}/original", response_class=Response, openapi_extra=may_fail_with(ErrorCode.DEVICE_UNKNOWN)
+    "/devices/{device_id}/original",
+    response_class=Response,
+    responses=answers_with("application/toml"),
+    openapi_extra=may_fail_with(ErrorCode.DEVICE_UNKNOWN),
 )
 def read_device_file(device_id: str, _: Reader, parts: PartsOfRoom) -> Response:
     """The bytes as uploaded."""

@@ -9,7 +9,7 @@ from service.auth.dependencies import require
 from service.auth.permissions import Permission
 from service.errors import ErrorCode, ServiceError
 from service.images.store import original_bytes
-from service.openapi import may_fail_with
+from service.openapi import answers_with, may_fail_with
 from service.parts import Parts, parts_of
 
 router = APIRouter(tags=["images"])
@@ -18,6 +18,7 @@ router = APIRouter(tags=["images"])
 @router.get(
     "/images/{image_id}/pixels",
     response_class=Response,
+    responses=answers_with("application/octet-stream"),
     dependencies=[Depends(require(Permission.READ))],
     openapi_extra=may_fail_with(
         ErrorCode.IMAGE_UNKNOWN,

@@ -14,7 +14,7 @@ from service.errors import ErrorCode
 from service.images import store
 from service.images.findings import findings_of
 from service.images.store import StoredImage
-from service.openapi import may_fail_with
+from service.openapi import answers_with, may_fail_with
 from service.parts import Parts, parts_of
 from workflow.decisions import ImageUse
 
@@ -63,7 +63,10 @@ def read_one_image(image_id: str, _: Reader, parts: PartsOfRoom) -> ImageView:
 
 
 @router.get(
-    "/images/{image_id}/original", response_class=Response, openapi_extra=may_fail_with(ErrorCode.IMAGE_UNKNOWN)
+    "/images/{image_id}/original",
+    response_class=Response,
+    responses=answers_with("application/dicom", "image/png", "image/tiff"),
+    openapi_extra=may_fail_with(ErrorCode.IMAGE_UNKNOWN),
 )
 def read_original(image_id: str, _: Reader, parts: PartsOfRoom) -> Response:
     """The bytes as they arrived, checked against their hash."""
@@ -75,6 +78,7 @@ def read_original(image_id: str, _: Reader, parts: PartsOfRoom) -> Response:
 @router.get(
     "/images/{image_id}/findings",
     response_class=Response,
+    responses=answers_with("image/png"),
     openapi_extra=may_fail_with(ErrorCode.IMAGE_UNKNOWN, ErrorCode.FINDINGS_UNKNOWN),
 )
 def read_findings(image_id: str, _: Reader, parts: PartsOfRoom) -> Response:

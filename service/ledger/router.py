@@ -14,6 +14,7 @@ from service.auth.session import Session
 from service.database.clock import as_utc
 from service.ledger.exports import MEDIA_TYPES, ExportFormat, export
 from service.ledger.listing import Wanted, page
+from service.openapi import answers_with
 from service.parts import Parts, parts_of
 
 router = APIRouter(tags=["audit"])
@@ -55,7 +56,7 @@ def read_audit(
         return page(connection, wanted, after, limit)
 
 
-@router.get("/audit/export", response_class=StreamingResponse)
+@router.get("/audit/export", response_class=StreamingResponse, responses=answers_with(*MEDIA_TYPES.values()))
 def export_audit(
     session: AuditReader,
     parts: PartsOfRoom,

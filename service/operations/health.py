@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from service.conductor.conductor import Conductor, TheConductor
 from service.database.free_space import check_free_space
 from service.errors import ErrorCode, ServiceError
-from service.openapi import may_fail_with
+from service.openapi import NO_SESSION, may_fail_with
 from service.parts import Parts, parts_of
 from service.settings import Settings
 from service.version import PRODUCT_VERSION
@@ -27,13 +27,13 @@ class Health(BaseModel):
     version: str
 
 
-@router.get("/live")
+@router.get("/live", openapi_extra=NO_SESSION)
 async def read_liveness() -> Health:
     """Whether the service answers: waits for no thread, no database and no arm."""
     return Health(status="up", version=PRODUCT_VERSION)
 
 
-@router.get("/ready", openapi_extra=may_fail_with(ErrorCode.NOT_READY))
+@router.get("/ready", openapi_extra=may_fail_with(ErrorCode.NOT_READY) | NO_SESSION)
 def read_readiness(parts: Annotated[Parts, Depends(parts_of)], conductor: TheConductor) -> Health:
     """Whether database, disk, arm and image work would let a procedure go on; not_ready names each that would not."""
     reasons = [*_record(parts), *_arm(conductor), *_image_work(parts)]

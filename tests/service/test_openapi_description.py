@@ -3,6 +3,7 @@
 import pytest
 
 from service.app import create_app
+from service.auth.dependencies import COOKIE
 from service.errors import ANSWERS
 from service.settings import Settings
 
@@ -53,3 +54,24 @@ def test_every_reference_resolves(description):
 def test_operation_ids_are_unique(description):
     ids = [operation["operationId"] for _, operation in _operations(description)]
     assert len(ids) == len(set(ids))
+
+
+def test_every_success_says_what_kind_of_body_it_has(description):
+    for name, operation in _operations(description):
+        for status, response in operation["responses"].items():
+            if status < "400" and status != "204":
+                assert response.get("content"), f"{name} {status}"
+
+
+def test_the_events_are_described_as_the_stream_that_they_are(description):
+    answer = description["paths"]["/api/cases/{case_id}/events"]["get"]["responses"]["200"]
+    assert answer["content"].keys() == {"text/event-stream"}
+
+
+def test_a_session_is_described_where_one_is_needed(description):
+    """A client made from the description has to know how the token goes with a request."""
+    schemes = description["components"]["securitySchemes"]
+    assert (schemes["bearer"]["scheme"], schemes["cookie"]["name"]) == ("bearer", COOKIE)
+    assert description["security"] == [{"bearer": []}, {"cookie": []}]
+    without = {name for name, operation in _operations(description) if operation.get("security") == []}
+    assert without == {"post /api/session", "get /api/health/live", "get /api/health/ready"}
