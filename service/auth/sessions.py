@@ -25,6 +25,8 @@ _log = structlog.get_logger(__name__)
 
 # A session's last use is written at most this often: reading the status must not cost a disk write each time.
 _SEEN_STEP_S = 10.0
+# So far a clock is corrected now and then; put back further, it does not tell how long a session was left alone.
+_PUT_BACK_S = 60.0
 # Sessions that are over may still stop, so they are remembered: 5 MB of them, some months of a room. Beyond that those
 # give way that have been over for longest, and whoever has only such a one signs in again to stop by the tablet.
 MOST_REMEMBERED = 10_000
@@ -147,7 +149,9 @@ class SessionStore:
         now_s = self._now_s()
         if now_s >= row.expires_at_s:
             return SessionStatus.EXPIRED
-        if row.locked_at is not None or now_s - row.last_seen_at_s > self._settings.idle_lock_s:
+        pause_s = now_s - row.last_seen_at_s
+        # H23: a use that is yet to come was before the clock was put back.
+        if row.locked_at is not None or not -_PUT_BACK_S <= pause_s <= self._settings.idle_lock_s:
             return SessionStatus.LOCKED
         return SessionStatus.ACTIVE
 

@@ -204,6 +204,31 @@ def test_a_session_locks_after_a_pause_and_expires_at_its_end(sessions, anna, cl
     assert sessions.find(token).status is SessionStatus.EXPIRED
 
 
+@pytest.mark.hazard("H23")
+@pytest.mark.parametrize("pause_s", [101, 1001])
+@pytest.mark.parametrize("back_s", [150, 31_536_000])
+def test_a_clock_that_is_put_back_gives_no_session_back(sessions, anna, clock, pause_s, back_s):
+    token, session = sessions.create(anna)
+    clock.now_s += 40
+    assert sessions.find(token).status is SessionStatus.ACTIVE
+    clock.now_s += pause_s
+    assert sessions.find(token).status is not SessionStatus.ACTIVE
+    clock.now_s -= pause_s + back_s
+    assert sessions.find(token).status is SessionStatus.LOCKED
+    sessions.unlock(session)
+    assert sessions.find(token).status is SessionStatus.ACTIVE
+
+
+@pytest.mark.hazard("H23")
+def test_a_clock_that_is_put_back_makes_no_lock_out_longer(proofs, anna, clock):
+    for _ in range(3):
+        _code(proofs.sign_in, "anna", "wrong")
+    clock.now_s -= 59  # s, of the 60 that it lasts
+    assert _code(proofs.sign_in, "anna", "correct horse") == ErrorCode.LOCKED_OUT
+    clock.now_s -= 31_536_000
+    assert proofs.sign_in("anna", "correct horse") == anna
+
+
 def test_looking_at_a_locked_session_does_not_keep_it_from_being_locked(sessions, anna, clock):
     token, _ = sessions.create(anna)
     for _ in range(3):
