@@ -1,7 +1,8 @@
 """`coaxial register`, `target`, `evaluate` and `plan-carm`: one JSON object a line on stdout, all else on stderr.
 
-Exit status: 0 done, 3 refused (the JSON says why), 2 wrong usage or unreadable input. The modules of `vision` are
-imported where they are used, so that `--help` needs none of them.
+Exit status: 0 done, 3 refused (the JSON says why), 2 wrong usage or unreadable input. Of several images each is done,
+whatever is wrong with another; 2 then means that a file could not be read, else 3 that an image was refused. The
+modules of `vision` are imported where they are used, so that `--help` needs none of them.
 """
 
 from enum import StrEnum
@@ -12,7 +13,7 @@ import typer
 
 from service.cli.plain import plain_typer
 from service.cli.registering import Job, answers
-from service.cli.streams import REFUSED, print_line, print_refusal, read_device, read_image, read_registration
+from service.cli.streams import REFUSED, end_many, print_line, print_refusal, read_device, read_image, read_registration
 
 
 class MethodOption(StrEnum):
@@ -78,12 +79,11 @@ def register_command(
     from vision.devices import read_carm, read_guide
 
     guide_file, carm_file = read_device(guide, read_guide), read_device(carm, read_carm)
-    refused = False
+    statuses = set()
     for answer in answers([Job(path, frame, guide_file, carm_file, method.value) for path in images]):
-        refused |= answer.is_refused
+        statuses.add(answer.status)
         print_line(answer.line)
-    if refused:
-        raise typer.Exit(REFUSED)
+    end_many(statuses)
 
 
 @target.command()

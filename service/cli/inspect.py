@@ -1,4 +1,7 @@
-"""`coaxial inspect`: what was found in images, as pictures and one page to look at, of refused ones too."""
+"""`coaxial inspect`: what was found in images, as pictures and one page to look at, of refused ones too.
+
+Exit status: 0 drawn, refused images too; 2 wrong usage, or a file that could not be read: the others are done still.
+"""
 
 import math
 from dataclasses import replace
@@ -10,7 +13,16 @@ import typer
 from service.cli.geometry import CArmOption, DepthOption, FrameOption, GuideOption, SpaceOption, pair
 from service.cli.inspection_page import Entry, page
 from service.cli.plain import plain_typer
-from service.cli.streams import print_line, print_refusal, read_device, read_image, write_file
+from service.cli.streams import (
+    UNUSABLE,
+    complain,
+    end_many,
+    print_line,
+    print_refusal,
+    read_device,
+    read_one_of_many,
+    write_file,
+)
 
 if TYPE_CHECKING:
     from vision.inspection import Inspection
@@ -42,10 +54,14 @@ def inspect_command(
 
     guide_file, carm_file = read_device(guide, read_guide), read_device(carm, read_carm)
     entries: list[Entry] = []
+    statuses = set()
     try:
         for number, path in enumerate(images, 1):
-            identity, image = read_image(path, frame)
+            identity, image, status = read_one_of_many(path, frame)
             if isinstance(image, Refusal):
+                if status == UNUSABLE:
+                    statuses.add(status)
+                    complain(path, image.message)
                 print_refusal(image, identity)
                 entries.append(_refused(path, image))
                 continue
@@ -55,9 +71,10 @@ def inspect_command(
             write_file(out / picture, png(draw(inspection)))
             print_line(_to_json(inspection) | {"image": identity, "picture": picture})
             entries.append(replace(_entry(path, inspection), picture=picture))
-    finally:  # what was drawn until a file is missing or the command is interrupted is on the page
+    finally:  # what was drawn until the command is interrupted is on the page
         if entries:
             write_file(out / "index.html", page(entries).encode())
+    end_many(statuses)
 
 
 def _to_json(inspection: "Inspection") -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from service.cli.streams import read_image, refusal_line
+from service.cli.streams import DONE, REFUSED, UNUSABLE, complain, read_one_of_many, refusal_line
 from service.cores import cores, use_one_core
 
 if TYPE_CHECKING:
@@ -32,20 +32,21 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The JSON object of one image, and whether it is a refusal."""
+    """The JSON object of one image, and the exit status that it asks for."""
 
     line: dict[str, Any]
-    is_refused: bool
+    status: int
 
 
 def answers(jobs: Sequence[Job]) -> Iterator[Answer]:
-    """The answer to each job, in their order; progress on stderr where there are many.
+    """The answer to each job, in their order; on stderr each file that cannot be read, and progress where many are."""
+    for job, one in zip(jobs, _computed(jobs), strict=True):
+        if one.status == UNUSABLE:
+            complain(job.path, one.line["reason"]["message"])
+        yield one
 
-    Raises
-    ------
-    typer.Exit
-        At the first image whose file cannot be read, as one line on stderr tells.
-    """
+
+def _computed(jobs: Sequence[Job]) -> Iterator[Answer]:
     processes = min(cores(), len(jobs))
     if len(jobs) < _LEAST_IMAGES or processes < 2:
         yield from map(answer, jobs)
@@ -65,8 +66,10 @@ def answer(job: Job) -> Answer:
     from vision.registration import register
     from vision.registration_json import to_json
 
-    identity, image = read_image(job.path, job.frame)
-    result = image if isinstance(image, Refusal) else register(image, job.guide, job.carm, Method(job.method))
+    identity, image, status = read_one_of_many(job.path, job.frame)
+    if isinstance(image, Refusal):
+        return Answer(refusal_line(image, identity), status)
+    result = register(image, job.guide, job.carm, Method(job.method))
     if isinstance(result, Refusal):
-        return Answer(refusal_line(result, identity), True)
-    return Answer(to_json(result, str(job.path)), False)
+        return Answer(refusal_line(result, identity), REFUSED)
+    return Answer(to_json(result, str(job.path)), DONE)

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TypeVar
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from vision.registered import Registration
     from vision.xray import XrayImage
 
-REFUSED = 3
-UNUSABLE = 2
+DONE, UNUSABLE, REFUSED = 0, 2, 3
+Identity = dict[str, Any]
 
 
 class _Device(Protocol):
@@ -39,13 +39,35 @@ def read_device(path: Path, parse: Callable[[bytes], DeviceT]) -> DeviceT:
     return device
 
 
-def read_image(path: Path, frame: int | None) -> tuple[dict[str, Any], "XrayImage | Refusal"]:
-    """The image's identity for the output, and the decoded image or why it is none."""
+def read_image(path: Path, frame: int | None) -> "tuple[Identity, XrayImage | Refusal]":
+    """The image's identity for the output, and the decoded image or why it is none; ends the command without a file."""
+    return _decoded(path, _read(path), frame)
+
+
+def read_one_of_many(path: Path, frame: int | None) -> "tuple[Identity, XrayImage | Refusal, int]":
+    """The same with the status so far; of a file that cannot be read a refusal, so that the other images are done."""
+    from vision.refusal import Refusal, RefusalCode
+
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        return {"path": str(path)}, Refusal(RefusalCode.UNREADABLE_IMAGE, error.strerror or str(error)), UNUSABLE
+    identity, image = _decoded(path, data, frame)
+    return identity, image, REFUSED if isinstance(image, Refusal) else DONE
+
+
+def end_many(statuses: Collection[int]) -> None:
+    """End a command on several images: a file that cannot be read tells more than an image that was refused."""
+    for status in (UNUSABLE, REFUSED):
+        if status in statuses:
+            raise typer.Exit(status)
+
+
+def _decoded(path: Path, data: bytes, frame: int | None) -> "tuple[Identity, XrayImage | Refusal]":
     from vision.refusal import Refusal
     from vision.xray import decode
 
-    data = _read(path)
-    identity: dict[str, Any] = {"path": str(path), "sha256": hashlib.sha256(data).hexdigest()}
+    identity: Identity = {"path": str(path), "sha256": hashlib.sha256(data).hexdigest()}
     image = decode(data, frame)
     if not isinstance(image, Refusal):
         identity |= {"rows": image.rows, "columns": image.columns}
@@ -98,6 +120,11 @@ def _read(path: Path) -> bytes:
 
 def end_unusable(path: Path, reason: object) -> NoReturn:
     """End the command with one line about a file."""
+    complain(path, reason)
+    raise typer.Exit(UNUSABLE)
+
+
+def complain(path: Path, reason: object) -> None:
+    """One line about a file."""
     line = " ".join(str(reason).split())
     typer.echo(f"error: {path}: {line}", err=True)
-    raise typer.Exit(UNUSABLE)

@@ -179,11 +179,22 @@ def test_many_images_are_answered_in_their_order_with_progress_beside_them(folde
     assert first == second
 
 
-def test_a_missing_image_among_many_ends_with_status_2_after_the_lines_before_it(folder: Path) -> None:
-    names = ("blank.png", "broken.png", "none.png", "blank.png", "blank.png")
-    result = run("register", *(folder / name for name in names), *devices(folder))
+@pytest.mark.parametrize("names", [("blank", "broken", "none", "folder", "image"), ("none", "image")])
+def test_a_missing_image_is_refused_with_status_2_and_the_others_are_done(folder: Path, names: tuple[str, ...]) -> None:
+    (folder / "folder.png").mkdir(exist_ok=True)
+    images = [folder / f"{name}.png" for name in names]
+    result = run("register", *images, *devices(folder))
     assert result.exit_code == 2
-    assert [Path(json.loads(line)["image"]["path"]).name for line in result.stdout.splitlines()] == list(names[:2])
+    lines = {name: json.loads(line) for name, line in zip(names, result.stdout.splitlines(), strict=True)}
+    assert [line["image"]["path"] for line in lines.values()] == [str(path) for path in images]
+    assert lines["image"]["status"] == "registered"
+    assert lines["none"]["status"] == "refused"
+    assert lines["none"]["image"] == {"path": str(folder / "none.png")}
+    reason = {"code": "unreadable_image", "message": "No such file or directory", "measured": None, "limit": None}
+    assert lines["none"]["reason"] == reason
+    told = [line for line in result.stderr.splitlines() if line.startswith("error:")]
+    assert told[0] == f"error: {folder / 'none.png'}: No such file or directory"
+    assert told[1:] == [f"error: {folder / 'folder.png'}: Is a directory"] * ("folder" in names)
 
 
 def test_refused_image_refuses_its_evaluation(folder: Path) -> None:
@@ -211,7 +222,7 @@ def test_target_ends_with_one_line_on_what_is_no_registration(tmp_path: Path, co
 
 def test_missing_files_end_with_one_line(folder: Path) -> None:
     for arguments in (
-        ("register", folder / "none.png", *devices(folder)),
+        ("evaluate", folder / "none.png", *devices(folder), "--pixel", "600,480", "--space", "raw"),
         ("register", folder / "image.png", "--guide", folder / "none.toml", "--carm", folder / "carm.toml"),
         ("register", folder / "image.png", "--guide", folder / "guide.toml", "--carm", folder / "guide.toml"),
         ("target", folder, "--pixel", "600,480", "--space", "raw"),

@@ -79,12 +79,16 @@ def test_a_folder_that_cannot_be_made_ends_with_one_line(folder: Path, tmp_path:
     assert len(result.stderr.splitlines()) == 1
 
 
-def test_what_was_drawn_before_a_missing_file_is_on_the_page(folder: Path, tmp_path: Path) -> None:
-    names = [str(folder / name) for name in ("image.png", "none.png", "flipped.png")]
+def test_a_missing_file_is_a_row_of_the_page_and_status_2_and_the_others_are_drawn(
+    folder: Path, tmp_path: Path
+) -> None:
+    names = [str(folder / name) for name in ("none.png", "image.png")]
     devices = ["--guide", str(_DEVICES / "guide.toml"), "--carm", str(_DEVICES / "flat-panel.toml")]
     result = CliRunner().invoke(app, ["inspect", *names, *devices, "--out", str(tmp_path)])
     assert result.exit_code == 2
-    assert "none.png" in result.stderr
+    assert result.stderr == f"error: {names[0]}: No such file or directory\n"
+    missing, drawn = map(json.loads, result.stdout.splitlines())
+    assert (missing["image"], missing["reason"]["code"]) == ({"path": names[0]}, "unreadable_image")
+    assert drawn["status"] == "registered"
     words = Reading((tmp_path / "index.html").read_text()).words
-    assert "registered" in words
-    assert "mirrored" not in words
+    assert {"registered", "unreadable_image", "No such file or directory"} <= set(words)
