@@ -3,7 +3,6 @@
 Exit status: 0 passed, 3 failed (each line says what to do), 2 wrong usage or a service that does not answer.
 """
 
-import os
 import time
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
@@ -11,6 +10,7 @@ import typer
 
 from service.cli.check_lines import tell
 from service.cli.plain import plain_typer
+from service.cli.secret import secret
 
 if TYPE_CHECKING:
     from coaxial_client import Coaxial
@@ -24,7 +24,12 @@ _LOOK_EVERY_S = 0.2
 @daily_check.command()
 def daily_check_command(
     url: Annotated[str, typer.Argument(help="Address of the service, as it prints it.")],
-    user: Annotated[str, typer.Option(help="An engineer's name; the password from COAXIAL_PASSWORD, else asked for.")],
+    user: Annotated[
+        str,
+        typer.Option(
+            help="An engineer's name; the password from COAXIAL_PASSWORD, else a line of stdin, else asked for."
+        ),
+    ],
     wait_s: Annotated[float, typer.Option(min=1.0, help="How long to wait for the image.")] = 300.0,
 ) -> None:
     """Check the room: bring the guide into the beam first, and let the arm rest."""
@@ -32,10 +37,10 @@ def daily_check_command(
 
     from coaxial_client import Coaxial, NoAnswer, Refused
 
-    password = os.environ.get("COAXIAL_PASSWORD") or typer.prompt("Password", hide_input=True)
     try:
         with Coaxial(url, timeout_s=90.0) as room:
-            room.sign_in(user, password)
+            _find(room, url)
+            room.sign_in(user, secret("COAXIAL_PASSWORD", "Password"))
             passed = _check(room, wait_s)
     except Refused as error:
         _end(f"{error.code}: {error.detail}. {error.what_to_do}")
@@ -45,6 +50,16 @@ def daily_check_command(
         _end(f"{url} is no address: {error}")
     if not passed:
         raise typer.Exit(_FAILED)
+
+
+def _find(room: "Coaxial", url: str) -> None:
+    """Nobody types a password for an address where no service is."""
+    from coaxial_client import Refused
+
+    try:
+        room.get("/health/live")
+    except (Refused, ValueError):  # neither asks who is there nor can be refused
+        _end(f"what answers at {url} is no Coaxial service")
 
 
 def _check(room: "Coaxial", wait_s: float) -> bool:

@@ -1,7 +1,5 @@
 """`coaxial user`: who may sign in. The first user is made here, on the machine itself."""
 
-import os
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +9,7 @@ import typer
 
 from service.auth.permissions import Role
 from service.cli.plain import plain_typer
+from service.cli.secret import secret
 from service.cli.site import ConfigOption, DataFolderOption, site_settings
 
 if TYPE_CHECKING:
@@ -32,8 +31,8 @@ def add(
     data_folder: DataFolderOption = None,
 ) -> None:
     """Add a user; password and PIN from COAXIAL_PASSWORD and COAXIAL_PIN, else two lines of stdin, else asked for."""
-    password = _secret("COAXIAL_PASSWORD", "Password")
-    pin = _secret("COAXIAL_PIN", "PIN")
+    password = secret("COAXIAL_PASSWORD", "Password", twice=True)
+    pin = secret("COAXIAL_PIN", "PIN", twice=True)
     with _user_store(config, data_folder, makes_it=True) as store:
         added = store.add(name, role, password, pin)
     typer.echo(f"added {added.name} as {added.role}")
@@ -68,12 +67,3 @@ def _user_store(config: Path | None, data_folder: Path | None, *, makes_it: bool
     opened = current_database if makes_it else present_database
     with site_settings(config, data_folder) as settings, opened(settings) as database:
         yield UserStore(database)
-
-
-def _secret(variable: str, prompt: str) -> str:
-    """Never an argument: those are visible to every user of the machine."""
-    if variable in os.environ:
-        return os.environ[variable]
-    if sys.stdin.isatty():
-        return str(typer.prompt(prompt, hide_input=True, confirmation_prompt=True))
-    return sys.stdin.readline().rstrip("\n")

@@ -3,6 +3,10 @@
 import os
 import subprocess
 import sys
+import threading
+from collections.abc import Iterator
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from typing import Any
 
 import pytest
 
@@ -60,6 +64,49 @@ def test_a_service_that_is_not_there_and_a_wrong_call_end_with_2(arguments):
     done = subprocess.run([*_COMMAND, *arguments], env=environment, capture_output=True, text=True, timeout=60)
     assert done.returncode == 2
     assert "Traceback" not in done.stderr
+
+
+def _without_password(url: str) -> subprocess.CompletedProcess[str]:
+    environment = {name: value for name, value in os.environ.items() if name != "COAXIAL_PASSWORD"}
+    command = [*_COMMAND, url, "--user", "engineer"]
+    return subprocess.run(command, env=environment, input="", capture_output=True, text=True, timeout=60)
+
+
+@pytest.fixture(params=["text", "404"])
+def stranger(request: pytest.FixtureRequest) -> Iterator[str]:
+    """The address of something that is no service of a room."""
+
+    class Page(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(200 if request.param == "text" else 404)
+            self.end_headers()
+            self.wfile.write(b"<h1>Printer</h1>\n<p>of ward 3</p>")
+
+        def log_message(self, *_: Any) -> None:
+            pass
+
+    with HTTPServer(("127.0.0.1", 0), Page) as server:
+        serving = threading.Thread(target=server.serve_forever)
+        serving.start()
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+        serving.join()
+
+
+def test_an_address_is_tried_before_a_password_is_asked_for(stranger: str) -> None:
+    nobody = _without_password("http://127.0.0.1:1")
+    assert (nobody.returncode, nobody.stdout) == (2, "")
+    assert nobody.stderr.startswith("the service at http://127.0.0.1:1 does not answer: ")
+    somebody = _without_password(stranger)
+    assert (somebody.returncode, somebody.stdout) == (2, "")
+    assert somebody.stderr == f"what answers at {stranger} is no Coaxial service\n"
+
+
+def test_no_password_is_wrong_usage(running) -> None:
+    done = _without_password(running.url)
+    assert (done.returncode, done.stdout) == (2, "")
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("error: no Password was given")
 
 
 def test_no_check_is_made_beside_an_open_case(running, engineer):
