@@ -43,7 +43,10 @@ def check_backup_present(file: Path) -> None:
 
 
 def restore(database: Database, file: Path) -> None:
-    """Bring a backup into a database without tables; ServiceError BACKUP_REFUSED, and then nothing has changed."""
+    """Bring a backup into a database without tables; ServiceError BACKUP_REFUSED, and then nothing has changed.
+
+    What is restored must hold a record: an empty file is a database without tables to SQLite.
+    """
     with database.read() as connection:
         if sa.inspect(connection).get_table_names():
             raise _refused("the database is not empty")
@@ -73,6 +76,9 @@ def _check_whole(connection: sqlite3.Connection, source: Path) -> None:
     (found,) = connection.execute("PRAGMA quick_check(1)").fetchone()
     if found != "ok":
         raise _refused(f"{source} is damaged: {found}")
+    (versions,) = connection.execute("SELECT count(*) FROM sqlite_master WHERE name = 'alembic_version'").fetchone()
+    if not versions:
+        raise _refused(f"{source} holds no record")
 
 
 def _run(program: str, database: Database, *arguments: str) -> None:

@@ -1,5 +1,6 @@
 """`coaxial db`: upgrade, rights, backup and restore, on either database."""
 
+import sqlite3
 from contextlib import ExitStack, closing
 
 import psycopg
@@ -106,6 +107,20 @@ def test_a_damaged_backup_leaves_the_database_empty(run, databases, address, tmp
     content = bytearray(backup.read_bytes())
     content[len(content) // 2 :] = bytes(len(content) - len(content) // 2)
     backup.write_bytes(content)
+    with databases.empty(other) as empty:
+        refused = run(empty, "restore", str(backup))
+        assert (refused.exit_code, refused.stderr.split(":")[0]) == (3, ErrorCode.BACKUP_REFUSED)
+        with closing(open_database(empty)) as database, database.read() as connection:
+            assert sa.inspect(connection).get_table_names() == []
+
+
+@pytest.mark.parametrize("statement", ["VACUUM", "CREATE TABLE bookmarks (url TEXT)"], ids=["empty", "another's"])
+def test_a_file_without_a_record_is_not_restored(run, databases, tmp_path, statement):
+    """To SQLite a file that lost all its bytes is a sound database."""
+    backup, other = tmp_path / "backup", tmp_path / "other"
+    other.mkdir()
+    with closing(sqlite3.connect(backup)) as connection:
+        connection.execute(statement)
     with databases.empty(other) as empty:
         refused = run(empty, "restore", str(backup))
         assert (refused.exit_code, refused.stderr.split(":")[0]) == (3, ErrorCode.BACKUP_REFUSED)
