@@ -4,7 +4,7 @@ python -m simulator.ct.sample FOLDER
 coaxial demo --truth FOLDER/truth.toml
 """
 
-import sys
+import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -60,7 +60,16 @@ def _plan(file: str, pedicles: Mapping[str, Pedicle]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def main() -> None:
+    """Write into the folder that was named; exit status 2 where it cannot be written."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="made where missing")
+    folder = parser.parse_args().folder
+    try:
+        write_sample(folder)
+    except OSError as error:
+        parser.error(f"{folder}: {error.strerror or error}")
+
+
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("usage: python -m simulator.ct.sample FOLDER")
-    write_sample(Path(sys.argv[1]))
+    main()
