@@ -18,6 +18,15 @@ def check_origin(connection: HTTPConnection, allowed: Collection[str]) -> None:
     origin = connection.headers.get("origin")
     if origin is None or (connection.scope["type"] == "http" and connection.scope["method"] in _READS):
         return
-    if origin in allowed or urlsplit(origin).netloc == connection.headers.get("host"):
+    host = connection.headers.get("host")
+    if origin in allowed or (host and host == _host(origin)):
         return
     raise ServiceError(ErrorCode.ORIGIN_REFUSED, f"origin {origin} is not this service")
+
+
+def _host(origin: str) -> str | None:
+    """The host that an Origin names; None where it is no address."""
+    try:
+        return urlsplit(origin).netloc
+    except ValueError:
+        return None

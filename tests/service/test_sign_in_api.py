@@ -59,7 +59,7 @@ def test_a_wrong_password_and_an_unknown_name_answer_alike(running):
 
 
 @pytest.mark.hazard("H27")
-@pytest.mark.parametrize("origin", ["https://evil.example", "null", "http://127.0.0.1:1"])
+@pytest.mark.parametrize("origin", ["https://evil.example", "null", "http://127.0.0.1:1", "http://[::1"])
 def test_what_another_sites_page_posts_is_refused(browser, origin):
     response = browser.post("/session/lock", headers={"Origin": origin})
     assert response.status_code == 403
