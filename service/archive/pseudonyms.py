@@ -7,6 +7,7 @@ archive of one workstation, and without its private key nobody can go back.
 import hashlib
 import hmac
 import json
+from collections.abc import Iterable
 from typing import Any
 
 from service.archive.anonymous_image import anonymous
@@ -19,6 +20,9 @@ _UIDS = frozenset({"study_uid", "sop_uid", "series_uid"})
 # The message of an interlock that was overridden is the surgeon's reason; what it was about, its code says.
 _WORDS = frozenset({"text", "reason", "what", "label", "abandoned", "overrides", "override", "message", "statement"})
 _PLACES = frozenset({"station", "address", "calling_ae"})
+# Where a planned target is called by the name that a person gave it; as keys, of what became of each.
+_TARGET_NAMES = frozenset({"name", "planned_target"})
+_BY_TARGET = frozenset({"targets", "abandoned"})
 
 
 # For the hospital's archive, with the patient drawn and written into them.
@@ -56,16 +60,18 @@ def pseudonymise(contents: Contents, signer: Signer) -> Contents:
         changed = anonymous(content, pseudonyms.person, pseudonyms.uid) if sha256 in images else content
         hashes[sha256] = hashlib.sha256(changed).hexdigest()
         files[hashes[sha256]] = changed
-    clean = _Cleaning(pseudonyms, hashes)
+    targets = {row["name"]: f"target {number}" for number, row in enumerate(contents.rows["planned_targets"], 1)}
+    clean = _Cleaning(pseudonyms, hashes, targets)
     rows = {name: [clean.row(row) for row in some] for name, some in contents.rows.items() if name not in _REPORTS}
     users = {user_id: {**user, "name": f"{user['role']} {user_id[:8]}"} for user_id, user in contents.users.items()}
     return Contents(rows, files, users)
 
 
 class _Cleaning:
-    def __init__(self, pseudonyms: Pseudonyms, hashes: dict[str, str]) -> None:
+    def __init__(self, pseudonyms: Pseudonyms, hashes: dict[str, str], targets: dict[str, str]) -> None:
         self._pseudonyms = pseudonyms
         self._hashes = hashes
+        self._targets = targets
 
     def row(self, row: Row) -> Row:
         """A row, what is JSON in it inside as well."""
@@ -82,9 +88,10 @@ class _Cleaning:
     def _value(self, name: str, value: Any) -> Any:
         match value:
             case dict() if name in _WORDS and "code" not in value:  # a refusal's reason is the program's
-                return dict.fromkeys(value, _REMOVED)
+                return dict.fromkeys(self._keys(name, value), _REMOVED)
             case dict():
-                return {key: self._value(key, one) for key, one in value.items()}
+                values = (self._value(key, one) for key, one in value.items())
+                return dict(zip(self._keys(name, value), values, strict=True))
             case list():
                 return [self._value(name, one) for one in value]
             case str():
@@ -92,7 +99,12 @@ class _Cleaning:
             case _:
                 return value
 
+    def _keys(self, name: str, value: Iterable[str]) -> list[str]:
+        return [self._targets.get(key, key) if name in _BY_TARGET else key for key in value]
+
     def _text(self, name: str, value: str) -> str:
+        if name in _TARGET_NAMES:
+            return self._targets.get(value, value)
         if name == "patient_id":
             return self._pseudonyms.person(value)
         if name in _UIDS:
