@@ -12,7 +12,16 @@ import typer
 
 from service.cli.geometry import CArmOption, GuideOption
 from service.cli.plain import plain_typer
-from service.cli.streams import REFUSED, end_unusable, print_line, print_refusal, read_device, read_image, write_file
+from service.cli.streams import (
+    REFUSED,
+    end_unusable,
+    print_line,
+    print_refusal,
+    read_device,
+    read_image,
+    read_text_file,
+    write_file,
+)
 
 if TYPE_CHECKING:
     from robot.frames import Transform
@@ -78,11 +87,18 @@ def _recorded(path: Path) -> "list[tuple[Path, Transform]]":
 
     from robot.frames import check_rigid
 
-    try:
-        lines = [json.loads(line) for line in path.read_text().splitlines() if line.strip()]
-        return [(path.parent / line["image"], check_rigid(np.array(line["base_from_tcp"]))) for line in lines]
-    except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
-        end_unusable(path, error)
+    recorded = []
+    for number, text in enumerate(read_text_file(path).splitlines(), 1):
+        if not text.strip():
+            continue
+        try:
+            line = json.loads(text)
+            recorded.append((path.parent / line["image"], check_rigid(np.array(line["base_from_tcp"]))))
+        except KeyError as error:
+            end_unusable(path, f"line {number} has no {error}")
+        except (ValueError, TypeError, RecursionError) as error:
+            end_unusable(path, f"line {number} is no pose with its image: {error}")
+    return recorded
 
 
 def _registrations(recorded: "list[tuple[Path, Transform]]", guide: "Guide", carm: "CArm") -> "list[Registration]":

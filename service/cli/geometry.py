@@ -56,8 +56,12 @@ def _triple(text: str) -> tuple[float, ...]:
     return _numbers(text, 3)
 
 
-GuideOption = Annotated[Path, typer.Option("--guide", help="The guide's TOML file.")]
-CArmOption = Annotated[Path, typer.Option("--carm", help="The C-arm's TOML file.")]
+# Whether a file can be read is seen when it is: typer would end the command for one of many, in four lines.
+ImagesArgument = Annotated[
+    list[Path], typer.Argument(metavar="IMAGE...", readable=False, help="PNG, TIFF or DICOM images.")
+]
+GuideOption = Annotated[Path, typer.Option("--guide", readable=False, help="The guide's TOML file.")]
+CArmOption = Annotated[Path, typer.Option("--carm", readable=False, help="The C-arm's TOML file.")]
 FrameOption = Annotated[int | None, typer.Option("--frame", min=1, help="Which frame of a DICOM image, from 1.")]
 PixelOption = Annotated[Any, typer.Option("--pixel", parser=pair, metavar="U,V", help="The target's pixel.")]
 SpaceChoice = Annotated[SpaceOption, typer.Option("--space", help="The grid in which the pixel was picked.")]
@@ -69,7 +73,7 @@ register, target, evaluate, plan_carm = plain_typer(), plain_typer(), plain_type
 
 @register.command()
 def register_command(
-    images: Annotated[list[Path], typer.Argument(metavar="IMAGE...", help="PNG, TIFF or DICOM images.")],
+    images: ImagesArgument,
     guide: GuideOption,
     carm: CArmOption,
     method: Annotated[MethodOption, typer.Option(help="All contour points, or the paper's 12.")] = MethodOption.CONTOUR,
@@ -88,7 +92,9 @@ def register_command(
 
 @target.command()
 def target_command(
-    registration: Annotated[Path, typer.Argument(metavar="REGISTRATION.json", help="One line of `register`.")],
+    registration: Annotated[
+        Path, typer.Argument(metavar="REGISTRATION.json", readable=False, help="One line of `register`.")
+    ],
     pixel: PixelOption,
     space: SpaceChoice,
     depth_mm: DepthOption = 80.0,
@@ -110,7 +116,9 @@ def target_command(
 
 @evaluate.command()
 def evaluate_command(
-    image: Annotated[Path, typer.Argument(metavar="IMAGE", help="PNG, TIFF or DICOM image after the move.")],
+    image: Annotated[
+        Path, typer.Argument(metavar="IMAGE", readable=False, help="PNG, TIFF or DICOM image after the move.")
+    ],
     guide: GuideOption,
     carm: CArmOption,
     pixel: PixelOption,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from service.cli.geometry import CArmOption, DepthOption, FrameOption, GuideOption, SpaceOption, pair
+from service.cli.geometry import CArmOption, DepthOption, FrameOption, GuideOption, ImagesArgument, SpaceOption, pair
 from service.cli.inspection_page import Entry, page
 from service.cli.plain import plain_typer
 from service.cli.streams import (
@@ -35,7 +35,7 @@ _TargetOption = Annotated[Any, typer.Option("--pixel", parser=pair, metavar="U,V
 
 @inspect.command()
 def inspect_command(
-    images: Annotated[list[Path], typer.Argument(metavar="IMAGE...", help="PNG, TIFF or DICOM images.")],
+    images: ImagesArgument,
     guide: GuideOption,
     carm: CArmOption,
     out: Annotated[Path, typer.Option("--out", metavar="FOLDER", help="Where pictures and index.html go.")],
@@ -62,15 +62,15 @@ def inspect_command(
                 if status == UNUSABLE:
                     statuses.add(status)
                     complain(path, image.message)
-                print_refusal(image, identity)
                 entries.append(_refused(path, image))
+                print_refusal(image, identity)
                 continue
             findings = examine(image, guide_file, carm_file)
             inspection = inspect_findings(image, guide_file, carm_file, findings, target, PixelSpace(space), depth_mm)
             picture = f"{number:03d}-{path.stem}.png"
             write_file(out / picture, png(draw(inspection)))
-            print_line(_to_json(inspection) | {"image": identity, "picture": picture})
             entries.append(replace(_entry(path, inspection), picture=picture))
+            print_line(_to_json(inspection) | {"image": identity, "picture": picture})
     finally:  # what was drawn until the command is interrupted is on the page
         if entries:
             write_file(out / "index.html", page(entries).encode())

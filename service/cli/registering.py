@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from service.cli.streams import DONE, REFUSED, UNUSABLE, complain, read_one_of_many, refusal_line
+from service.cli.streams import DONE, REFUSED, UNUSABLE, complain, end_unusable, read_one_of_many, refusal_line
 from service.cores import cores, use_one_core
 
 if TYPE_CHECKING:
@@ -52,11 +53,14 @@ def _computed(jobs: Sequence[Job]) -> Iterator[Answer]:
         yield from map(answer, jobs)
         return
     with ProcessPoolExecutor(processes, get_context("spawn"), initializer=use_one_core) as pool:
-        step = max(1, len(jobs) // _PROGRESS_STEPS)
-        for done, result in enumerate(pool.map(answer, jobs), start=1):
-            yield result
-            if done % step == 0:
-                typer.echo(f"{done} of {len(jobs)} images", err=True)
+        step, done = max(1, len(jobs) // _PROGRESS_STEPS), 0
+        try:
+            for done, result in enumerate(pool.map(answer, jobs), start=1):
+                yield result
+                if done % step == 0:
+                    typer.echo(f"{done} of {len(jobs)} images", err=True)
+        except BrokenProcessPool:
+            end_unusable(jobs[done].path, "not done: a process that registers images was killed. Is memory short?")
 
 
 def answer(job: Job) -> Answer:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 DONE, UNUSABLE, REFUSED = 0, 2, 3
 Identity = dict[str, Any]
+_MOST_TEXT_BYTES = 16 * 1024 * 1024  # a registration takes some kilobytes, poses a hundred each
 
 
 class _Device(Protocol):
@@ -31,7 +32,7 @@ DeviceT = TypeVar("DeviceT", bound=_Device)
 def read_device(path: Path, parse: Callable[[bytes], DeviceT]) -> DeviceT:
     """The device in a TOML file; ends the command with one line where it cannot be used, warns where it expired."""
     try:
-        device = parse(_read(path))
+        device = parse(read_text_file(path))
     except ValueError as error:
         end_unusable(path, error)
     if device.expires is not None and device.expires < datetime.now(UTC).date():
@@ -41,7 +42,10 @@ def read_device(path: Path, parse: Callable[[bytes], DeviceT]) -> DeviceT:
 
 def read_image(path: Path, frame: int | None) -> "tuple[Identity, XrayImage | Refusal]":
     """The image's identity for the output, and the decoded image or why it is none; ends the command without a file."""
-    return _decoded(path, _read(path), frame)
+    try:
+        return _decoded(path, frame)
+    except OSError as error:
+        end_unusable(path, error.strerror or error)
 
 
 def read_one_of_many(path: Path, frame: int | None) -> "tuple[Identity, XrayImage | Refusal, int]":
@@ -49,10 +53,9 @@ def read_one_of_many(path: Path, frame: int | None) -> "tuple[Identity, XrayImag
     from vision.refusal import Refusal, RefusalCode
 
     try:
-        data = path.read_bytes()
+        identity, image = _decoded(path, frame)
     except OSError as error:
         return {"path": str(path)}, Refusal(RefusalCode.UNREADABLE_IMAGE, error.strerror or str(error)), UNUSABLE
-    identity, image = _decoded(path, data, frame)
     return identity, image, REFUSED if isinstance(image, Refusal) else DONE
 
 
@@ -63,11 +66,16 @@ def end_many(statuses: Collection[int]) -> None:
             raise typer.Exit(status)
 
 
-def _decoded(path: Path, data: bytes, frame: int | None) -> "tuple[Identity, XrayImage | Refusal]":
-    from vision.refusal import Refusal
-    from vision.xray import decode
+def _decoded(path: Path, frame: int | None) -> "tuple[Identity, XrayImage | Refusal]":
+    from vision.refusal import Refusal, RefusalCode
+    from vision.xray import GREATEST_BYTES, decode
 
-    identity: Identity = {"path": str(path), "sha256": hashlib.sha256(data).hexdigest()}
+    identity: Identity = {"path": str(path)}
+    data = _beginning(path, GREATEST_BYTES + 1)
+    if len(data) > GREATEST_BYTES:
+        size = max(len(data), path.stat().st_size)  # a device has none
+        return identity, Refusal(RefusalCode.IMAGE_TOO_LARGE, "the file's size in bytes", size, GREATEST_BYTES)
+    identity |= {"sha256": hashlib.sha256(data).hexdigest()}
     image = decode(data, frame)
     if not isinstance(image, Refusal):
         identity |= {"rows": image.rows, "columns": image.columns}
@@ -79,7 +87,7 @@ def read_registration(path: Path) -> "Registration":
     from vision.registration_json import from_json
 
     try:
-        return from_json(json.loads(_read(path)))
+        return from_json(json.loads(read_text_file(path)))
     except (ValueError, RecursionError) as error:
         end_unusable(path, error)
 
@@ -111,11 +119,21 @@ def write_file(path: Path, data: bytes) -> None:
         end_unusable(path, error.strerror or error)
 
 
-def _read(path: Path) -> bytes:
+def read_text_file(path: Path) -> bytes:
+    """A file of text; ends the command where there is none, or where it is no such one by its size."""
     try:
-        return path.read_bytes()
+        data = _beginning(path, _MOST_TEXT_BYTES + 1)
     except OSError as error:
         end_unusable(path, error.strerror or error)
+    if len(data) > _MOST_TEXT_BYTES:
+        end_unusable(path, f"larger than {_MOST_TEXT_BYTES} bytes")
+    return data
+
+
+def _beginning(path: Path, most: int) -> bytes:
+    """So much is never held in memory that there is none left."""
+    with path.open("rb") as file:
+        return file.read(most)
 
 
 def end_unusable(path: Path, reason: object) -> NoReturn:

@@ -1,5 +1,6 @@
 import json
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -12,8 +13,12 @@ from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner, Result
 
 from service.cli.main import app
+from service.cores import cores
 from service.version import PRODUCT_VERSION
 
+_COAXIAL = str(Path(sys.executable).with_name("coaxial"))
+# To the superuser no file is closed.
+_WITHOUT_RIGHTS = () if os.geteuid() else ("setpriv", "--bounding-set=-dac_override,-dac_read_search")
 _DEVICES = Path(__file__).parents[1] / "devices"
 GUIDE_TOML = (_DEVICES / "guide.toml").read_text()
 
@@ -195,6 +200,51 @@ def test_a_missing_image_is_refused_with_status_2_and_the_others_are_done(folder
     told = [line for line in result.stderr.splitlines() if line.startswith("error:")]
     assert told[0] == f"error: {folder / 'none.png'}: No such file or directory"
     assert told[1:] == [f"error: {folder / 'folder.png'}: Is a directory"] * ("folder" in names)
+
+
+def test_an_unreadable_image_among_many_is_refused_and_the_others_are_done(folder: Path, tmp_path: Path) -> None:
+    closed = tmp_path / "closed.png"
+    closed.touch(mode=0o000)
+    done = subprocess.run(
+        [*_WITHOUT_RIGHTS, _COAXIAL, "register", closed, folder / "blank.png", *devices(folder)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (2, f"error: {closed}: Permission denied\n")
+    codes = [json.loads(line)["reason"]["code"] for line in done.stdout.splitlines()]
+    assert codes == ["unreadable_image", "no_guide_found"]
+
+
+def test_a_file_far_too_large_is_refused_by_its_size_and_never_read_whole(folder: Path, tmp_path: Path) -> None:
+    huge = tmp_path / "huge.png"
+    with huge.open("wb") as file:
+        file.truncate(2**36)
+    result = run("register", huge, *devices(folder))
+    assert result.exit_code == 3
+    line = only_line(result)
+    assert line["image"] == {"path": str(huge)}
+    reason = {"code": "image_too_large", "message": "the file's size in bytes", "measured": 2**36, "limit": 2**28}
+    assert line["reason"] == reason
+    assert "larger than" in run("target", huge, "--pixel", "1,2", "--space", "raw").stderr
+
+
+@pytest.mark.skipif(cores() < 2, reason="with one core nothing is given to other processes")
+def test_a_killed_process_among_those_that_register_ends_with_one_line(folder: Path, tmp_path: Path) -> None:
+    waiting = tmp_path / "waiting.png"
+    os.mkfifo(waiting)  # whoever opens it waits for somebody who writes
+    images = [folder / "blank.png", waiting, *[folder / "blank.png"] * 2]
+    command = [_COAXIAL, "register", *images, *devices(folder)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline()
+        for child in Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split():
+            if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes():
+                os.kill(int(child), signal.SIGKILL)
+        _, said = running.communicate(timeout=60)
+    assert running.returncode == 2
+    errors = [line for line in said.splitlines() if not line.endswith("of 4 images")]
+    assert errors == [f"error: {waiting}: not done: a process that registers images was killed. Is memory short?"]
 
 
 def test_refused_image_refuses_its_evaluation(folder: Path) -> None:
