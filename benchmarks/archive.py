@@ -32,6 +32,7 @@ from argon2 import PasswordHasher
 
 from benchmarks import recorded_cases
 from benchmarks.computed_results import compute
+from benchmarks.kept import results_folder
 from service.auth.permissions import Role
 from service.auth.users import UserStore
 from service.cases.attempts import record_attempt
@@ -281,15 +282,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=10_000)
     parser.add_argument("--times", type=int, default=15, help="each request in each room (default 15)")
-    parser.add_argument("--folder", type=Path, help="keeps the databases (default: a new temporary one)")
+    parser.add_argument("--folder", type=results_folder, help="keeps the databases (default: a new temporary one)")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary, ExitStack() as stack:
         folder = Path(options.folder or temporary)
-        folder.mkdir(parents=True, exist_ok=True)
         counts = (0, min(_PAGE, options.cases), options.cases)
         empty, page, full = (room(stack, prepared(folder / f"{n}-cases", n)) for n in counts)
         rows = [measure(page if one.is_list else empty, full, options.times, one) for one in requests()]
-    (folder / "figures.json").write_text(json.dumps([[row.name, row.few_ms, row.full_ms] for row in rows]))
+        (folder / "figures.json").write_text(json.dumps([[row.name, row.few_ms, row.full_ms] for row in rows]))
     sys.exit(0 if judged(rows, options.cases) else 1)
 
 

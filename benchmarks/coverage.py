@@ -18,7 +18,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from kept import keep_line, kept_lines
+from kept import keep_line, kept_lines, results_folder
 from numpy.typing import NDArray
 from samples import Sample, errors, registered
 from scipy.spatial.transform import Rotation
@@ -173,12 +173,11 @@ def _share(count: int, of: int) -> str:
 def main() -> None:
     """Run what is missing and print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--folder", type=Path, required=True, help="where the results are kept")
+    parser.add_argument("--folder", type=results_folder, required=True, help="where the results are kept")
     parser.add_argument("--count", type=int, default=1000, help="scenes over all groups (default 1000)")
     parser.add_argument("--first", type=int, default=0, help="seed of each group's first (default 0)")
     parser.add_argument("--processes", type=int, default=1)
     options = parser.parse_args()
-    options.folder.mkdir(parents=True, exist_ok=True)
     path = options.folder / "coverage.jsonl"
     results = kept(path)
     known = {(one.group, one.seed) for one in results}

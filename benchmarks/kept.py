@@ -1,8 +1,18 @@
 """Results kept line by line, so that a run goes on where the last one ended."""
 
 import json
+from argparse import ArgumentTypeError
 from pathlib import Path
 from typing import Any
+
+
+def results_folder(name: str) -> Path:
+    """A folder named at the command line, made where missing; ArgumentTypeError, which is wrong usage, elsewhere."""
+    try:
+        Path(name).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ArgumentTypeError(f"{name}: {error.strerror}") from error
+    return Path(name)
 
 
 def kept_lines(path: Path) -> list[dict[str, Any]]:

@@ -24,6 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.kept import results_folder
 from coaxial_client import Case, NoAnswer
 from simulator.demo.imaging import turn_carm
 from simulator.demo.patience import HELD, leave_hold, patiently
@@ -145,11 +146,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=100, help="images (default 100)")
     parser.add_argument("--pedicle", default="L3-left", help="in whose view the images are taken (default L3-left)")
-    parser.add_argument("--folder", type=Path, help="keeps the results (default: a new temporary one)")
+    parser.add_argument("--folder", type=results_folder, help="keeps the results (default: a new temporary one)")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(options.folder or temporary)
-        folder.mkdir(parents=True, exist_ok=True)
         results = folder / "results.jsonl"
         done = len(results.read_text().splitlines()) if results.exists() else 0
         if done < options.count:

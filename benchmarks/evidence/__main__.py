@@ -18,6 +18,7 @@ from benchmarks.evidence.item import Item
 from benchmarks.evidence.items import ITEMS
 from benchmarks.evidence.page import page
 from benchmarks.evidence.runs import begin, finish, left, planned, publish, row, workers
+from benchmarks.kept import results_folder
 
 PUBLISHED = ROOT / "docs" / "evidence.json"
 
@@ -25,14 +26,13 @@ PUBLISHED = ROOT / "docs" / "evidence.json"
 def main() -> None:
     """Run what is missing, print the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--folder", type=Path, required=True, help="where the results are kept")
+    parser.add_argument("--folder", type=results_folder, required=True, help="where the results are kept")
     parser.add_argument("--items", nargs="+", choices=[item.name for item in ITEMS], help="to be run; by default all")
     parser.add_argument("--share", type=float, default=1.0, help="of each item's trials (default 1: all)")
     parser.add_argument("--processes", type=int, default=2, help="at a time (default 2)")
     parser.add_argument("--published", type=Path, default=PUBLISHED, help="results so far (default docs/evidence.json)")
     parser.add_argument("--page", type=Path, help="where the page is written, beside being printed")
     options = parser.parse_args()
-    options.folder.mkdir(parents=True, exist_ok=True)
     whole = True
     if options.share:
         with workers(options.processes, partial(publish, ITEMS, options.folder, options.published)) as pool:

@@ -17,7 +17,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from benchmarks.kept import keep_line, kept_lines
+from benchmarks.kept import keep_line, kept_lines, results_folder
 from benchmarks.mutation import published
 from benchmarks.mutation.forks import Status
 from benchmarks.mutation.mutants import ROOT, Mutant, mutants_of
@@ -110,7 +110,6 @@ def _statuses(results: Mapping[str, Result]) -> dict[str, Status]:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    arguments.folder.mkdir(parents=True, exist_ok=True)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("asked to end"))
     end_s = time.monotonic() + 60.0 * arguments.minutes
     packages = published.read(arguments.published)
@@ -130,7 +129,7 @@ def _run(arguments: argparse.Namespace) -> int:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--packages", nargs="*", choices=sorted(PACKAGES), default=list(PACKAGES))
-    parser.add_argument("--folder", type=Path, required=True, help="where the results are kept")
+    parser.add_argument("--folder", type=results_folder, required=True, help="where the results are kept")
     parser.add_argument("--minutes", type=float, default=math.inf, help="after which none is begun; 0: try nothing")
     parser.add_argument(
         "--published", type=Path, default=_PUBLISHED, help="results so far (default docs/mutation.json)"

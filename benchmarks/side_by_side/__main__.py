@@ -18,7 +18,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from benchmarks.kept import keep_line, kept_lines
+from benchmarks.kept import keep_line, kept_lines, results_folder
 from benchmarks.side_by_side.pictures import GROUPS, picture
 from benchmarks.side_by_side.plots import plot_poses, plot_rings, plot_strategies
 from benchmarks.side_by_side.poses import PoseScore, pose_scores
@@ -35,7 +35,6 @@ Line = dict[str, Any]
 def main() -> None:
     """Run what is missing, print, and keep."""
     options = _options()
-    options.folder.mkdir(parents=True, exist_ok=True)
     lines = _run(options, options.folder / "results.jsonl")
     poses = [PoseScore(**score) for line in lines for score in line.get("poses", ())]
     rings = [RingScore(**score) for line in lines for score in line.get("rings", ())]
@@ -61,7 +60,9 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--count", type=int, default=6, help="images of each group (default 6)")
     parser.add_argument("--rooms", type=int, default=20, help="rooms for the strategies (default 20)")
     parser.add_argument("--first", type=int, default=0, help="seed of the first image and room (default 0)")
-    parser.add_argument("--folder", type=Path, required=True, help="where results, summary and plots are kept")
+    parser.add_argument(
+        "--folder", type=results_folder, required=True, help="where results, summary and plots are kept"
+    )
     options = parser.parse_args()
     if options.count < 1 or options.rooms < 1:
         parser.error("--count and --rooms are at least 1")

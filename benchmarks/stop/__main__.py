@@ -31,6 +31,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from benchmarks.kept import results_folder
 from benchmarks.stop.guard_room import GuardRoom
 from benchmarks.stop.load import Load
 from benchmarks.stop.results import Kept, Limits, Trial, Verdict, histogram, summary
@@ -133,7 +134,7 @@ def report(folder: Path) -> list[Verdict]:
 def main() -> int:
     """Run what is asked for; exit status 1 where a limit is missed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--folder", type=Path, required=True)
+    parser.add_argument("--folder", type=results_folder, required=True)
     parser.add_argument("--count", type=int, default=2000)
     parser.add_argument("--kinds", nargs="+", choices=LIMITS, default=_ALL)
     parser.add_argument("--minutes", type=float, default=float("inf"))
