@@ -13,6 +13,8 @@ given. Exit status 1 where a run was refused.
 import argparse
 import sys
 import time
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -138,41 +140,71 @@ def error(found: np.ndarray, true: np.ndarray) -> tuple[float, float]:
     return float(np.linalg.norm(apart[:3, 3])), float(np.rad2deg(Rotation.from_matrix(apart[:3, :3]).magnitude()))
 
 
+@dataclass(frozen=True, slots=True)
+class Result:
+    """One calibration: its errors in mm and deg against the true mounting and against that of perfect images."""
+
+    error: tuple[float, float]
+    apart: tuple[float, float]
+    found: HandEye
+
+
+def calibrated(bench: Bench, images: int) -> Result | Refusal:
+    """Calibrate from images, and without their noise."""
+    found, perfect = bench.run(images), bench.without_noise()
+    if isinstance(found, Refusal):
+        return found
+    if isinstance(perfect, Refusal):
+        return perfect
+    mounting = found.flange_from_guide
+    return Result(error(mounting, bench.planted.flange_from_guide), error(mounting, perfect.flange_from_guide), found)
+
+
+def line(seed: int, result: Result | Refusal, took_s: float) -> str:
+    """What is printed of one run."""
+    if isinstance(result, Refusal):
+        return f"{seed:>4} refused: {result}"
+    found = result.found
+    figures = (*result.error, *result.apart, found.translation_sd_mm, np.rad2deg(found.rotation_sd_rad))
+    columns = "".join(f"{figure:8.4f}" for figure in figures)
+    return f"{seed:>4}{columns} {found.cost_ratio:6.2f} {found.off_mm.max():10.4f} {took_s:6.1f}"
+
+
+def summary(what: str, errors: Sequence[tuple[float, float]], options: argparse.Namespace) -> str:
+    """How many of the runs came within the goals, and the middle one."""
+    kept = sum(mm <= GOAL_MM and deg <= GOAL_DEG for mm, deg in errors)
+    median = np.median(errors, axis=0) if errors else (np.nan, np.nan)
+    return (
+        f"{kept} of {options.count} within {GOAL_MM} mm and {GOAL_DEG} deg of {what}"
+        f" (medians {median[0]:.4f} mm, {median[1]:.4f} deg), {options.images} images each"
+    )
+
+
 def main() -> None:
     """Print one line a run and the summary."""
+    options = _options()
+    print(f"{'':>4} {'true mounting':>15} {'perfect images':>15} {'claimed sd':>15}")
+    print(f"{'seed':>4}{'      mm     deg' * 3} {'cost':>6} {'arm off mm':>10} {'CPU s':>6}")
+    results: list[Result] = []
+    for seed in range(options.first, options.first + options.count):
+        began_s = time.process_time()
+        result = calibrated(Bench(seed, options.repeatability, options.kinematics), options.images)
+        print(line(seed, result, time.process_time() - began_s), flush=True)
+        if isinstance(result, Result):
+            results.append(result)
+    print(summary("the true mounting", [one.error for one in results], options))
+    print(summary("what perfect images would give", [one.apart for one in results], options))
+    sys.exit(0 if len(results) == options.count else 1)
+
+
+def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=5, help="runs (default 5)")
     parser.add_argument("--first", type=int, default=1, help="seed of the first (default 1)")
     parser.add_argument("--images", type=int, default=12, help="images of each run (default 12)")
     parser.add_argument("--repeatability", type=float, help="of the arm, rms, mm (default: the truth file's)")
     parser.add_argument("--kinematics", type=float, help="error of the arm's kinematics, rms, mm (default: likewise)")
-    options = parser.parse_args()
-    print(f"{'':>4} {'true mounting':>15} {'perfect images':>15} {'claimed sd':>15}")
-    print(f"{'seed':>4}{'      mm     deg' * 3} {'cost':>6} {'arm off mm':>10} {'CPU s':>6}")
-    errors: list[tuple[float, float]] = []
-    apart: list[tuple[float, float]] = []
-    for seed in range(options.first, options.first + options.count):
-        began_s, bench = time.process_time(), Bench(seed, options.repeatability, options.kinematics)
-        found, perfect = bench.run(options.images), bench.without_noise()
-        if isinstance(found, Refusal) or isinstance(perfect, Refusal):
-            print(f"{seed:>4} refused: {found if isinstance(found, Refusal) else perfect}", flush=True)
-            continue
-        errors.append(error(found.flange_from_guide, bench.planted.flange_from_guide))
-        apart.append(error(found.flange_from_guide, perfect.flange_from_guide))
-        figures = (*errors[-1], *apart[-1], found.translation_sd_mm, np.rad2deg(found.rotation_sd_rad))
-        print(
-            f"{seed:>4}" + "".join(f"{figure:8.4f}" for figure in figures) + f" {found.cost_ratio:6.2f}"
-            f" {found.off_mm.max():10.4f} {time.process_time() - began_s:6.1f}",
-            flush=True,
-        )
-    for what, ones in (("the true mounting", errors), ("what perfect images would give", apart)):
-        kept = sum(mm <= GOAL_MM and deg <= GOAL_DEG for mm, deg in ones)
-        median = np.median(ones, axis=0) if ones else (np.nan, np.nan)
-        print(
-            f"{kept} of {options.count} within {GOAL_MM} mm and {GOAL_DEG} deg of {what}"
-            f" (medians {median[0]:.4f} mm, {median[1]:.4f} deg), {options.images} images each"
-        )
-    sys.exit(0 if len(errors) == options.count else 1)
+    return parser.parse_args()
 
 
 if __name__ == "__main__":
