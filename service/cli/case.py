@@ -161,11 +161,16 @@ def import_file(
     file: ArchiveFile, public_key: PublicKeys = None, config: ConfigOption = None, data_folder: DataFolderOption = None
 ) -> None:
     """Bring a case into this database, with its own ids; one that was under way is held here until acknowledged."""
+    from service.archive.container import open_archive
     from service.archive.importing import import_case
     from service.database.current import current_database
 
-    with site_settings(config, data_folder) as settings, current_database(settings) as database:
-        case_id, is_new = import_case(database, settings, file, _trusted(public_key))
+    with site_settings(config, data_folder) as settings:
+        trusted = _trusted(public_key)
+        with open_archive(file):  # a record is not begun for a file that is no archive
+            pass
+        with current_database(settings) as database:
+            case_id, is_new = import_case(database, settings, file, trusted)
     typer.echo(f"case {case_id} is here" if is_new else f"case {case_id} was here already, the same")
 
 

@@ -237,6 +237,14 @@ def test_a_case_that_is_there_with_other_content_is_refused(kept_archive, site) 
     assert _counts(site.folder) == before
 
 
+def test_a_file_that_is_no_archive_begins_no_record(kept_archive, tmp_path) -> None:
+    folder = tmp_path / "new"
+    for arguments in ((tmp_path / "none",), (kept_archive, "--public-key", tmp_path / "none")):
+        result = _run("import", *arguments, "--data-folder", folder)
+        assert result.exit_code == 3
+        assert not folder.exists()
+
+
 def test_an_unsound_archive_is_not_imported(rewritten, elsewhere) -> None:
     before = _counts(elsewhere.data_folder)
     result = _run("import", rewritten(_flip("files/", 100)), "--data-folder", elsewhere.data_folder)
