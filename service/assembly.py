@@ -22,6 +22,7 @@ from service.vision_worker import VisionWorker
 async def assemble(settings: Settings, claim_reason: str | None = None) -> AsyncIterator[Parts]:
     """Every part of the service, up; ServiceError where disk, database, schema or the room claim refuse."""
     with current_database(settings) as database, room_claim(database, settings.room, claim_reason):
+        database.expect_answers()
         arrivals = ImageArrivals()
         users = UserStore(database)
         vision = VisionWorker(settings.vision)

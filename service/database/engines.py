@@ -11,16 +11,17 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import sqlalchemy as sa
+from psycopg.errors import LockNotAvailable
 from sqlalchemy.engine import Connection, Engine
 from sqlalchemy.exc import DatabaseError, DataError, DBAPIError, OperationalError
 
 from service.database.json_text import to_text
+from service.database.postgresql import BUSY_S, expect_answers, postgresql_engine
 from service.database.turns import Turns
 from service.errors import ErrorCode, ServiceError
 from service.ledger.keys import Signer
 from service.ledger.sealing import sealed
 
-_BUSY_S = 15.0
 # Pages in the write-ahead log at which a commit empties it by itself: 16 MB, more than the images of four senders, who
 # empty it outside their turn.
 _LOG_PAGES = 4000
@@ -38,7 +39,7 @@ class Database:
     reader: Engine
     signer: Signer | None = None  # without one the ledger grows, but no checkpoint is signed
     on_commit: list[Callable[[], None]] = field(default_factory=list)
-    turns: Turns = field(default_factory=lambda: Turns(_BUSY_S))
+    turns: Turns = field(default_factory=lambda: Turns(BUSY_S))
 
     @contextmanager
     def write(self, *, bulky: bool = False) -> Iterator[Connection]:
@@ -68,6 +69,15 @@ class Database:
         except UnicodeDecodeError as error:  # SQLite's message quotes text of a damaged schema
             raise ServiceError(ErrorCode.DATABASE_FAULT, "the database file is damaged") from error
 
+    def expect_answers(self, within_s: float = BUSY_S) -> None:
+        """From now on wait no longer for an answer, as a service must not: a migration or a long search may.
+
+        A file of SQLite's is its own answer.
+        """
+        for engine in (self.writer, self.reader):
+            if engine.dialect.name == "postgresql":
+                expect_answers(engine, within_s)
+
     def _empty_log(self) -> None:
         """Copy what is in the write-ahead log into the file; writers go on meanwhile.
 
@@ -95,7 +105,7 @@ def open_database(url: str, signer: Signer | None = None) -> Database:
 
 
 def _sqlite_engine(address: sa.URL, *, writes: bool) -> Engine:
-    connect_args = {"timeout": _BUSY_S, "check_same_thread": False}
+    connect_args = {"timeout": BUSY_S, "check_same_thread": False}
     engine = sa.create_engine(address, **_OPTIONS, connect_args=connect_args)
 
     @sa.event.listens_for(engine, "connect")
@@ -124,10 +134,7 @@ def _assert_pragma(dbapi: Any, name: str, value: str, expected: object) -> None:
 
 
 def _postgresql_engine(address: sa.URL, *, writes: bool) -> Engine:
-    options = {} if writes else {"postgresql_readonly": True}
-    level = "READ COMMITTED" if writes else "REPEATABLE READ"
-    engine = sa.create_engine(address, **_OPTIONS, isolation_level=level)
-    engine = engine.execution_options(**options)
+    engine = postgresql_engine(address, writes=writes, options=_OPTIONS)
     if writes:
 
         @sa.event.listens_for(engine, "begin")
@@ -150,15 +157,16 @@ def _typed_faults() -> Iterator[None]:
     except OperationalError as error:
         raise _fault(error) from error
     except DatabaseError as error:
-        if type(error) is not DatabaseError:  # a kind of it that says more than that the file is damaged
+        # Else a kind of it that says more than that the file is damaged, or that the server has ended the session.
+        if type(error) is not DatabaseError and not error.connection_invalidated:
             raise
         raise _fault(error) from error
 
 
 def _fault(error: DBAPIError) -> ServiceError:
     text = str(error.orig)
-    if "locked" in text or "busy" in text:
-        return ServiceError(ErrorCode.DATABASE_BUSY, "another writer held the database too long", limit=_BUSY_S)
+    if "locked" in text or "busy" in text or isinstance(error.orig, LockNotAvailable):
+        return ServiceError(ErrorCode.DATABASE_BUSY, "another writer held the database too long", limit=BUSY_S)
     if "full" in text or "No space" in text:
         return ServiceError(ErrorCode.DISK_FULL, "the disk is full")
     # Before any statement it is about address, rights or file; later its text may quote what is recorded.
