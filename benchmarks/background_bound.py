@@ -8,9 +8,9 @@ frequencies of the signals' spectra over the noise's (Whittle).
 
 import numpy as np
 from numpy.typing import NDArray
-from pixel_bound import Bound, Changes, bound_of, field_weights, noise_variance
 from scipy.ndimage import uniform_filter
 
+from benchmarks.pixel_bound import Bound, Changes, bound_of, field_weights, noise_variance
 from simulator.carm.scene import Scene
 from vision.devices import Guide
 

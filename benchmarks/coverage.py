@@ -18,12 +18,12 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from kept import keep_line, kept_lines, results_folder
 from numpy.typing import NDArray
-from samples import Sample, errors, registered
 from scipy.spatial.transform import Rotation
 from scipy.stats import binomtest
 
+from benchmarks.kept import keep_line, kept_lines, results_folder
+from benchmarks.samples import Sample, errors, registered
 from simulator.carm.drawing import PIXEL_MM, random_scene
 from simulator.carm.quick_render import render_quickly
 from simulator.carm.scene import Scene

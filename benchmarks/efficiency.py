@@ -17,12 +17,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from background_bound import background_bound
-from coverage import as_filed
 from numpy.typing import NDArray
-from pixel_bound import Bound, Changes, error_vectors, pixel_bound
-from samples import Sample, registered
 
+from benchmarks.background_bound import background_bound
+from benchmarks.coverage import as_filed
+from benchmarks.pixel_bound import Bound, Changes, error_vectors, pixel_bound
+from benchmarks.samples import Sample, registered
 from simulator.carm.distortion import NO_DISTORTION
 from simulator.carm.drawing import random_scene
 from simulator.carm.guide import ALL_PARTS, Part

@@ -22,8 +22,8 @@ from pathlib import Path
 
 import httpx
 import numpy as np
-from service_latency import Tablet, registered
 
+from benchmarks.service_latency import Tablet, registered
 from coaxial_client import Case
 from simulator.demo.procedure import open_case
 from simulator.demo.stage import Stage, open_stage

@@ -20,10 +20,10 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from kept import keep_line, kept_lines
-from samples import Sample, scored
 from scipy import stats
 
+from benchmarks.kept import keep_line, kept_lines
+from benchmarks.samples import Sample, scored
 from simulator.carm.drawing import random_scene
 from simulator.carm.render import render
 from vision.devices import Guide, read_carm, read_guide

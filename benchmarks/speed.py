@@ -23,9 +23,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from samples import Sample, samples
-from scenes import GROUPS, scene
 
+from benchmarks.samples import Sample, samples
+from benchmarks.scenes import GROUPS, scene
 from vision.refusal import Refusal
 from vision.registration import register
 from vision.xray import XrayImage, decode

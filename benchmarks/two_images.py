@@ -21,8 +21,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import beta, kstest
-from simulated_pairs import STILL, Moved, Room, motion
 
+from benchmarks.simulated_pairs import STILL, Moved, Room, motion
 from simulator.carm.drawing import random_scene
 from simulator.carm.render import render
 from simulator.carm.scene import Scene

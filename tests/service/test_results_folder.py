@@ -13,6 +13,7 @@ _ROOT = Path(__file__).parents[2]
     "command",
     [
         ["-m", "benchmarks.mutation"],
+        ["-m", "benchmarks.coverage"],
         ["benchmarks/coverage.py"],
         ["benchmarks/service_latency.py"],
     ],
