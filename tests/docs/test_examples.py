@@ -1,14 +1,22 @@
 """What the documentation shows as code or as a file is what the program takes."""
 
 import ast
+import json
 import re
+from dataclasses import fields
 from pathlib import Path
+from types import SimpleNamespace
 from unittest.mock import MagicMock
 
+import numpy as np
 from sybil import Document
 from sybil.parsers.markdown import CodeBlockParser
 
 from coaxial_client import Case, Coaxial, Hold
+from service.cases.records import StoredEvent
+from service.cases.server_sent import server_sent
+from service.motion.endings import Ending
+from service.motion.hold import HeartbeatMessage, _progress
 from service.settings import load_settings
 from simulator.door import create_door
 from tests.service.conftest import PASSWORD
@@ -67,6 +75,17 @@ def test_the_program_of_the_api_guide_runs_and_prints_what_the_page_says(running
     }
     exec(compile(program, "docs/api.md", "exec"), given)
     assert printed == _blocks("api.md", "text")[0].splitlines()
+
+
+def test_the_messages_of_the_api_guide_have_the_fields_that_are_sent():
+    event, progress, heartbeat, ended = map(json.loads, _blocks("api.md", "json"))
+    HeartbeatMessage.model_validate(heartbeat)
+    status = SimpleNamespace(challenge="", phase="idle", held=False, arm=None)
+    assert progress.keys() == _progress(status, np.eye(4)).keys()
+    assert ended.keys() == {"type"} | {field.name for field in fields(Ending)}
+    stored = StoredEvent(*[event.get(field.name, 0) for field in fields(StoredEvent)])
+    (said,) = re.findall(r"^data: (.*)$", server_sent(stored).text.decode(), re.MULTILINE)
+    assert event.keys() == json.loads(said).keys()
 
 
 def test_what_the_api_guide_calls_to_move_an_arm_is_there():
