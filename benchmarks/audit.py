@@ -19,6 +19,7 @@ from unittest.mock import patch
 import sqlalchemy as sa
 from argon2 import PasswordHasher
 
+from benchmarks.kept import at_least_one
 from service.audit import record_audit
 from service.auth.permissions import Role
 from service.auth.users import UserStore
@@ -68,7 +69,7 @@ _REPEATS = 15
 def main() -> None:
     """Build, then measure."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--count", type=int, default=20_000, help="entries that are written and verified")
+    parser.add_argument("--count", type=at_least_one, default=20_000, help="entries that are written and verified")
     parser.add_argument("--pages", type=int, default=1_000_000, help="entries that are read in pages, the same again")
     given = parser.parse_args()
     count, pages = given.count, given.pages

@@ -18,5 +18,5 @@ NAMES = [check for module in MODULES for check in checks(module)]
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--checks", nargs="*", default=NAMES)
+    parser.add_argument("--checks", nargs="*", choices=NAMES, metavar="CHECK", default=NAMES)
     sys.exit(take_out_each(REMOVAL, parser.parse_args().checks, "checks of the guard"))

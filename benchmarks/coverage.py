@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from scipy.stats import binomtest
 
-from benchmarks.kept import keep_line, kept_lines, results_folder
+from benchmarks.kept import at_least_one, keep_line, kept_lines, results_folder
 from benchmarks.samples import Sample, errors, registered
 from simulator.carm.drawing import PIXEL_MM, random_scene
 from simulator.carm.quick_render import render_quickly
@@ -176,7 +176,7 @@ def main() -> None:
     parser.add_argument("--folder", type=results_folder, required=True, help="where the results are kept")
     parser.add_argument("--count", type=int, default=1000, help="scenes over all groups (default 1000)")
     parser.add_argument("--first", type=int, default=0, help="seed of each group's first (default 0)")
-    parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--processes", type=at_least_one, default=1)
     options = parser.parse_args()
     path = options.folder / "coverage.jsonl"
     results = kept(path)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from benchmarks.background_bound import background_bound
 from benchmarks.coverage import as_filed
+from benchmarks.kept import at_least_one
 from benchmarks.pixel_bound import Bound, Changes, error_vectors, pixel_bound
 from benchmarks.samples import Sample, registered
 from simulator.carm.distortion import NO_DISTORTION
@@ -147,7 +148,9 @@ def _cells(outcomes: Sequence[Outcome], part: slice, unit: float, of: Callable[[
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=12, help="scenes of each stratum, each with two draws of noise")
+    parser.add_argument(
+        "--count", type=at_least_one, default=12, help="scenes of each stratum, each with two draws of noise"
+    )
     parser.add_argument("--first", type=int, default=5000, help="seed of the first (default 5000)")
     parser.add_argument("--strata", nargs="+", choices=[one.name for one in STRATA], help="by default all")
     options = parser.parse_args()

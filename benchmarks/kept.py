@@ -15,6 +15,20 @@ def results_folder(name: str) -> Path:
     return Path(name)
 
 
+def results_file(name: str) -> Path:
+    """A file that can be written at the end of a run, of hours perhaps; ArgumentTypeError elsewhere."""
+    if Path(name).is_dir() or not Path(name).absolute().parent.is_dir():
+        raise ArgumentTypeError(f"{name}: no file can be there")
+    return Path(name)
+
+
+def at_least_one(text: str) -> int:
+    """A number of things to do; ArgumentTypeError where that is none, which would pass for a measurement."""
+    if not text.isdecimal() or int(text) < 1:
+        raise ArgumentTypeError(f"{text} is no whole number from 1")
+    return int(text)
+
+
 def kept_lines(path: Path) -> list[dict[str, Any]]:
     """Results of earlier runs; a last line that was cut off is taken out of the file."""
     if not path.exists():

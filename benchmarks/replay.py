@@ -20,6 +20,7 @@ from argon2 import PasswordHasher
 
 from benchmarks import recorded_cases
 from benchmarks.computed_results import compute
+from benchmarks.kept import at_least_one
 from service.auth.permissions import Role
 from service.auth.users import UserStore
 from service.database.current import current_database
@@ -76,8 +77,10 @@ def reading_s(folder: Path) -> float:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cases", type=int, default=40, help="cases to record (default 40)")
-    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="the most (default: the processors)")
+    parser.add_argument("--cases", type=at_least_one, default=40, help="cases to record (default 40)")
+    parser.add_argument(
+        "--workers", type=at_least_one, default=os.cpu_count() or 1, help="the most (default: the processors)"
+    )
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

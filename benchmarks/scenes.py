@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 from scipy import stats
 
-from benchmarks.kept import keep_line, kept_lines
+from benchmarks.kept import at_least_one, keep_line, kept_lines
 from benchmarks.samples import Sample, scored
 from simulator.carm.drawing import random_scene
 from simulator.carm.render import render
@@ -129,7 +129,7 @@ def _factors(now: np.ndarray, then: np.ndarray) -> str:
 def main() -> None:
     """Print the table and the refusals; exit 1 where an accepted result is wrong."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=12, help="scenes of each group (default 12)")
+    parser.add_argument("--count", type=at_least_one, default=12, help="scenes of each group (default 12)")
     parser.add_argument("--first", type=int, default=0, help="seed of the first (default 0)")
     parser.add_argument("--groups", nargs="+", choices=GROUPS, default=GROUPS, help="by default all")
     parser.add_argument("--tolerances", type=float, default=1.0, help="share of the file's that it states (default 1)")

@@ -20,6 +20,7 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from benchmarks.kept import at_least_one
 from robot.hand_eye import HandEye, SharedPrior, Sighting, calibrate
 from robot.refusal import Refusal
 from robot.tool import read_tool
@@ -199,9 +200,9 @@ def main() -> None:
 
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=5, help="runs (default 5)")
+    parser.add_argument("--count", type=at_least_one, default=5, help="runs (default 5)")
     parser.add_argument("--first", type=int, default=1, help="seed of the first (default 1)")
-    parser.add_argument("--images", type=int, default=12, help="images of each run (default 12)")
+    parser.add_argument("--images", type=at_least_one, default=12, help="images of each run (default 12)")
     parser.add_argument("--repeatability", type=float, help="of the arm, rms, mm (default: the truth file's)")
     parser.add_argument("--kinematics", type=float, help="error of the arm's kinematics, rms, mm (default: likewise)")
     return parser.parse_args()

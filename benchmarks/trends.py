@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest
 
+from benchmarks.kept import at_least_one
 from service.devices.store import DeviceKind
 from service.trends.chart import WINDOW_CASES
 from service.trends.figures import CaseFigures, Measure
@@ -102,7 +103,7 @@ def smallest_seen_mm(room: Room, clean: int, reports: int, rng: np.random.Genera
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print all figures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--reports", type=int, default=2000, help="simulated records of each line")
+    parser.add_argument("--reports", type=at_least_one, default=2000, help="simulated records of each line")
     reports = parser.parse_args(arguments).reports
     rng = np.random.default_rng(_SEED)
     print(f"seed {_SEED}; 95 % bounds in brackets")

@@ -11,14 +11,13 @@ import argparse
 import math
 import sys
 from functools import partial
-from pathlib import Path
 
 from benchmarks.evidence.code import ROOT
 from benchmarks.evidence.item import Item
 from benchmarks.evidence.items import ITEMS
 from benchmarks.evidence.page import page
 from benchmarks.evidence.runs import begin, finish, left, planned, publish, row, workers
-from benchmarks.kept import results_folder
+from benchmarks.kept import at_least_one, results_file, results_folder
 
 PUBLISHED = ROOT / "docs" / "evidence.json"
 
@@ -29,9 +28,11 @@ def main() -> None:
     parser.add_argument("--folder", type=results_folder, required=True, help="where the results are kept")
     parser.add_argument("--items", nargs="+", choices=[item.name for item in ITEMS], help="to be run; by default all")
     parser.add_argument("--share", type=float, default=1.0, help="of each item's trials (default 1: all)")
-    parser.add_argument("--processes", type=int, default=2, help="at a time (default 2)")
-    parser.add_argument("--published", type=Path, default=PUBLISHED, help="results so far (default docs/evidence.json)")
-    parser.add_argument("--page", type=Path, help="where the page is written, beside being printed")
+    parser.add_argument("--processes", type=at_least_one, default=2, help="at a time (default 2)")
+    parser.add_argument(
+        "--published", type=results_file, default=PUBLISHED, help="results so far (default docs/evidence.json)"
+    )
+    parser.add_argument("--page", type=results_file, help="where the page is written, beside being printed")
     options = parser.parse_args()
     whole = True
     if options.share:

@@ -17,7 +17,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from benchmarks.kept import keep_line, kept_lines, results_folder
+from benchmarks.kept import keep_line, kept_lines, results_file, results_folder
 from benchmarks.mutation import published
 from benchmarks.mutation.forks import Status
 from benchmarks.mutation.mutants import ROOT, Mutant, mutants_of
@@ -132,7 +132,7 @@ if __name__ == "__main__":
     parser.add_argument("--folder", type=results_folder, required=True, help="where the results are kept")
     parser.add_argument("--minutes", type=float, default=math.inf, help="after which none is begun; 0: try nothing")
     parser.add_argument(
-        "--published", type=Path, default=_PUBLISHED, help="results so far (default docs/mutation.json)"
+        "--published", type=results_file, default=_PUBLISHED, help="results so far (default docs/mutation.json)"
     )
-    parser.add_argument("--page", type=Path, help="the page to write from them")
+    parser.add_argument("--page", type=results_file, help="the page to write from them")
     sys.exit(_run(parser.parse_args()))

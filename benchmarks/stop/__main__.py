@@ -31,7 +31,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.kept import results_folder
+from benchmarks.kept import at_least_one, results_folder
 from benchmarks.stop.guard_room import GuardRoom
 from benchmarks.stop.load import Load
 from benchmarks.stop.results import Kept, Limits, Trial, Verdict, histogram, summary
@@ -135,10 +135,10 @@ def main() -> int:
     """Run what is asked for; exit status 1 where a limit is missed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--folder", type=results_folder, required=True)
-    parser.add_argument("--count", type=int, default=2000)
+    parser.add_argument("--count", type=at_least_one, default=2000)
     parser.add_argument("--kinds", nargs="+", choices=LIMITS, default=_ALL)
     parser.add_argument("--minutes", type=float, default=float("inf"))
-    parser.add_argument("--rooms", type=int, default=1)
+    parser.add_argument("--rooms", type=at_least_one, default=1)
     by = parser.add_mutually_exclusive_group()
     by.add_argument("--idle", action="store_true")
     by.add_argument("--busy", type=shlex.split, action="append", default=[], metavar="COMMAND")
