@@ -4,6 +4,7 @@ Exit status: 0 passed, 3 failed (each line says what to do), 2 wrong usage or a 
 """
 
 import time
+from json import JSONDecodeError
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
@@ -46,7 +47,7 @@ def daily_check_command(
         _end(f"{error.code}: {error.detail}. {error.what_to_do}")
     except NoAnswer as error:
         _end(f"the service at {url} does not answer: {error}")
-    except httpx.InvalidURL as error:
+    except (httpx.InvalidURL, UnicodeError) as error:
         _end(f"{url} is no address: {error}")
     if not passed:
         raise typer.Exit(_FAILED)
@@ -58,7 +59,7 @@ def _find(room: "Coaxial", url: str) -> None:
 
     try:
         room.get("/health/live")
-    except (Refused, ValueError):  # neither asks who is there nor can be refused
+    except (Refused, JSONDecodeError, UnicodeDecodeError):  # neither asks who is there nor can be refused
         _end(f"what answers at {url} is no Coaxial service")
 
 

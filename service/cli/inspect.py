@@ -4,6 +4,7 @@ Exit status: 0 drawn, refused images too; 2 wrong usage, or a file that could no
 """
 
 import math
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     from vision.refusal import Refusal
 
 inspect = plain_typer()
+
+_LONGEST_STEM = 200  # bytes of the 255 that a name may have
 
 _TargetOption = Annotated[Any, typer.Option("--pixel", parser=pair, metavar="U,V", help="A target to aim at.")]
 
@@ -67,14 +70,19 @@ def inspect_command(
                 continue
             findings = examine(image, guide_file, carm_file)
             inspection = inspect_findings(image, guide_file, carm_file, findings, target, PixelSpace(space), depth_mm)
-            picture = f"{number:03d}-{path.stem}.png"
+            picture = _picture_name(number, path)
             write_file(out / picture, png(draw(inspection)))
             entries.append(replace(_entry(path, inspection), picture=picture))
             print_line(_to_json(inspection) | {"image": identity, "picture": picture})
     finally:  # what was drawn until the command is interrupted is on the page
         if entries:
-            write_file(out / "index.html", page(entries).encode())
+            write_file(out / "index.html", page(entries).encode(errors="backslashreplace"))
     end_many(statuses)
+
+
+def _picture_name(number: int, path: Path) -> str:
+    """After the image's own name, which may be as long as a file's name can be."""
+    return f"{number:03d}-{os.fsdecode(os.fsencode(path.stem)[:_LONGEST_STEM])}.png"
 
 
 def _to_json(inspection: "Inspection") -> dict[str, Any]:

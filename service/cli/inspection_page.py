@@ -1,8 +1,10 @@
 """The HTML page of `coaxial inspect`: a table of all images and their pictures; it needs nothing from elsewhere."""
 
+import os
 from dataclasses import dataclass
 from html import escape
 from string import Template
+from urllib.parse import quote
 
 _PAGE = Template("""<!DOCTYPE html>
 <html lang="en">
@@ -88,7 +90,7 @@ def _section(number: int, entry: Entry) -> str:
     kind = "refused" if entry.refused else "registered"
     picture = "<p>There is no picture: the image cannot be read.</p>"
     if entry.picture is not None:
-        source = escape(entry.picture, quote=True)
+        source = quote(os.fsencode(entry.picture))
         picture = f'<a href="{source}"><img src="{source}" alt="what was found in the image" loading="lazy"></a>'
     measured = "" if entry.measured is None else f": {_text(entry.measured)}"
     limit = "" if entry.limit is None else f", limit {_text(entry.limit)}"

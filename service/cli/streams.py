@@ -88,6 +88,8 @@ def read_registration(path: Path) -> "Registration":
 
     try:
         return from_json(json.loads(read_text_file(path)))
+    except json.JSONDecodeError as error:
+        end_unusable(path, f"no single line of `register`: {error}")
     except (ValueError, RecursionError) as error:
         end_unusable(path, error)
 

@@ -270,6 +270,14 @@ def test_target_ends_with_one_line_on_what_is_no_registration(tmp_path: Path, co
     assert len(result.stderr.splitlines()) == 1
 
 
+def test_target_says_that_it_wants_one_line_of_several(registration_file: Path, tmp_path: Path) -> None:
+    path = tmp_path / "registrations.json"
+    path.write_text(registration_file.read_text() * 2)
+    result = run("target", path, "--pixel", "600,480", "--space", "raw")
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"error: {path}: no single line of `register`: Extra data: line 2")
+
+
 def test_missing_files_end_with_one_line(folder: Path) -> None:
     for arguments in (
         ("evaluate", folder / "none.png", *devices(folder), "--pixel", "600,480", "--space", "raw"),

@@ -1,6 +1,8 @@
 import json
+import os
 from html.parser import HTMLParser
 from pathlib import Path
+from urllib.parse import unquote_to_bytes
 
 import cv2
 import numpy as np
@@ -69,7 +71,7 @@ def test_a_page_fetches_nothing_from_elsewhere_and_shows_names_as_they_are() -> 
     name = '<script src="http://elsewhere/">"&.png'
     reading = Reading(page([Entry(name, "mirrored", "<b>", 3.0, 20.0, picture="001-a b.png")]))
     assert name in reading.words
-    assert set(reading.fetched) == {"#image-1", "001-a b.png"}
+    assert set(reading.fetched) == {"#image-1", "001-a%20b.png"}
 
 
 def test_a_folder_that_cannot_be_made_ends_with_one_line(folder: Path, tmp_path: Path) -> None:
@@ -92,3 +94,18 @@ def test_a_missing_file_is_a_row_of_the_page_and_status_2_and_the_others_are_dra
     assert drawn["status"] == "registered"
     words = Reading((tmp_path / "index.html").read_text()).words
     assert {"registered", "unreadable_image", "No such file or directory"} <= set(words)
+
+
+def test_any_name_that_a_file_may_have_is_drawn_and_its_picture_linked(folder: Path, tmp_path: Path) -> None:
+    image = (folder / "image.png").read_bytes()
+    names = ["a#b?c%20d.png", "n" * 251 + ".png", os.fsdecode(b"\xe9.png")]
+    for name in names:
+        (tmp_path / name).write_bytes(image)
+    devices = ["--guide", str(_DEVICES / "guide.toml"), "--carm", str(_DEVICES / "flat-panel.toml")]
+    out = tmp_path / "out"
+    result = CliRunner().invoke(app, ["inspect", *(str(tmp_path / one) for one in names), *devices, "--out", str(out)])
+    assert result.exit_code == 0, result.output
+    fetched = Reading((out / "index.html").read_text()).fetched
+    linked = {os.fsdecode(unquote_to_bytes(name)) for name in fetched if not name.startswith("#")}
+    assert linked == {file.name for file in out.iterdir()} - {"index.html"}
+    assert len(linked) == 3

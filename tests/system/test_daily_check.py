@@ -69,7 +69,7 @@ def test_a_leaning_guide_and_a_pushed_arm_fail_and_each_says_what_to_do(engineer
     assert engineer.status()["daily_check"]["failed"] == ["still_mm", "beam_tilt"]
 
 
-@pytest.mark.parametrize("url", ["http://[::1", "nowhere", "http://127.0.0.1:1"])
+@pytest.mark.parametrize("url", ["http://[::1", "http://a..b", "nowhere", "http://127.0.0.1:1"])
 def test_an_address_that_is_none_or_nobody_s_ends_with_one_line(url) -> None:
     checked = subprocess.run(
         [*_COMMAND, url, "--user", "engineer"],
