@@ -36,6 +36,10 @@ _NEXT = {
     State.CLOSED: _PRIMARY,
     State.ABORTED: _PRIMARY,
 }
+# What is decided in a state rests on this, down to the last figure.
+_RESTS_ON = dict.fromkeys(
+    (State.VERIFIED, State.OFF_TARGET), (".verdict", ".doing .figures ~ .figures .row:last-child")
+)
 _PLACES = {
     "": (Role.SURGEON, _PRIMARY),
     "#new": (Role.SURGEON, ".is-bar-next"),
@@ -82,7 +86,7 @@ _IN_SIGHT = """(element) => {
     const { left, right, top, bottom } = element.getBoundingClientRect();
     const places = [[left + 9, top + 9], [right - 9, top + 9], [left + 9, bottom - 9], [right - 9, bottom - 9]];
     return left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight
-        && places.every(([x, y]) => element.contains(document.elementFromPoint(x, y)) || !element.matches('button'));
+        && places.every(([x, y]) => element.contains(document.elementFromPoint(x, y)) || !element.matches('button, p, .row'));
 }"""
 
 
@@ -94,14 +98,14 @@ class Looks:
     name: str
     faults: list[str] = field(default_factory=list)
 
-    def look(self, screen: str, next_action: str) -> None:
-        """At the screen that is shown, once what comes next is there."""
+    def look(self, screen: str, next_action: str, *told: str) -> None:
+        """At the screen that is shown, once what comes next is there; what must be told lies whole in sight."""
         page = self.tablet.page
         page.locator(next_action).first.wait_for()
         page.wait_for_function(_AT_REST)
         take_picture(page, f"{self.name}_{screen}")
         self.faults += [f"{screen}: {text!r} leaves {what!r}" for text, what in page.evaluate(_CUT_OFF)]
-        for what in (next_action, ".stop"):
+        for what in (next_action, ".stop", *told):
             if not page.locator(what).first.evaluate(_IN_SIGHT):
                 self.faults.append(f"{screen}: {what} is not whole in sight")
         if page.evaluate(_MORE_UNTOLD):
@@ -139,7 +143,7 @@ def test_what_is_next_is_in_sight_in_every_state(procedure, at):
         looks.tablet.is_at(state)
         if state in (State.REGISTERED, State.TARGET_CHOSEN, State.VERIFIED):
             looks.tablet.page.locator(".stage-parts").wait_for()
-        looks.look(state, next_action)
+        looks.look(state, next_action, *_RESTS_ON.get(state, ()))
     assert looks.faults == []
 
 
@@ -166,7 +170,7 @@ def test_a_motion_is_entered_planned_approved_and_held_without_scrolling(at, res
         page.reload()
     _open_motions(looks, 2)
     hand.tap(page.locator(".bringing .is-primary"))
-    looks.look("plan", ".doing .actions > .is-primary")
+    looks.look("plan", ".doing .actions > .is-primary", ".doing .note")  # what would be seen, before the approval
     hand.tap(page.locator(".doing .actions > .is-primary"))
     looks.look("pin", ".sheet .is-enter")
     hand.enter(PIN)

@@ -14,7 +14,7 @@ export function MotionPanel() {
   if (!current) return null;
   return html`
     <h3>${t(`motion.${current.kind}`)}</h3>
-    ${current.permitId ? html`<${PlanFigures} plan=${current.plan} /><${Held} ...${current} />` : html`<${PlanWords} plan=${current.plan} /><${Approval} planned=${current} />`}
+    ${current.permitId ? html`<${PlanFigures} plan=${current.plan} /><${Held} ...${current} />` : html`<${PlanWords} plan=${current.plan} /><p class="note">${t("do_now.planned")}</p><${Approval} planned=${current} />`}
   `;
 }
 
@@ -23,9 +23,9 @@ export function PlanWords({ plan }) {
   const { detectable_motion: detectable } = plan;
   return html`
     <${PlanFigures} plan=${plan} />
-    <p>${t("motion.words", { mm: number(plan.length_mm, 1), deg: number(plan.rotation_deg, 2), s: number(plan.duration_s, 1) })}</p>
     ${detectable &&
     html`<p class="note">${t("motion.detectable", { deg: number(detectable.rotation_deg, 2), across: number(detectable.across_mm, 1), along: number(detectable.along_mm, 1) })}</p>`}
+    <p>${t("motion.words", { s: number(plan.duration_s, 1) })}</p>
   `;
 }
 
@@ -36,7 +36,7 @@ function PlanFigures({ plan }) {
   );
   const predicted = plan.predicted_error_95;
   return html`
-    <${Figures} areTiles>
+    <${Figures}>
       <${Row}
         name=${nearestWords(nearest)}
         value=${number(Math.floor(plan.clearance_mm), 0)}
@@ -44,10 +44,8 @@ function PlanFigures({ plan }) {
         limit=${t("limit.at_least", { value: `${number(Math.ceil(plan.clearance_needed_mm), 0)} mm` })}
       />
       <${Row} name=${t("motion.joint_margin")} value=${number(Math.floor(plan.joint_margin_deg), 0)} unit="°" />
-      <${Row} name=${t("motion.distance")} value=${number(plan.length_mm, 1)} unit="mm" />
-      <${Row} name=${t("motion.rotation")} value=${number(plan.rotation_deg, 2)} unit="°" />
-      ${predicted && html`<${Row} name=${t("motion.predicted_angle")} value=${number(predicted.angle_deg, 3)} unit="°" />`}
-      ${predicted && html`<${Row} name=${t("motion.predicted_position")} value=${number(predicted.position_mm, 3)} unit="mm" />`}
+      <${Row} name=${t("motion.way")} value=${`${number(plan.length_mm, 1)} mm · ${number(plan.rotation_deg, 2)}`} unit="°" />
+      ${predicted && html`<${Row} name=${t("motion.predicted")} value=${`${number(predicted.position_mm, 3)} mm · ${number(predicted.angle_deg, 3)}`} unit="°" />`}
     <//>
   `;
 }

@@ -45,7 +45,7 @@ export function Row({ name, value, unit = "", limit = "", holds }) {
   const mark = holds === undefined ? "" : holds ? "is-within" : "is-beyond";
   return html`<div class="row ${mark}">
     <dt>${name}</dt>
-    <dd><b>${value}</b> ${unit}${limit && html`<small>${limit}</small>`}${holds !== undefined && html`<em>${t(holds ? "limit.within" : "limit.beyond")}</em>`}</dd>
+    <dd><b>${value}</b> ${unit}${holds !== undefined && html`<em>${t(holds ? "limit.within" : "limit.beyond")}</em>`}${limit && html`<small>${limit}</small>`}</dd>
   </div>`;
 }
 

@@ -20,8 +20,8 @@ export function Moving({ current, caseId }) {
   const seen = html`<${Viewer} imageId=${imageId} found=${found} />`;
   const isOwn = motion.value !== null && !motion.value.ended;
   const stage = stageOf(current.state);
-  // The held button says it itself, and the plan's figures need the place.
-  const lead = isOwn && stage !== "planned" ? "" : t(`do_now.${stage}`);
+  // The plan and the held button say it themselves, below the figures, which need the place.
+  const lead = isOwn ? "" : t(`do_now.${stage}`);
   return html`<${Screen} state=${stage} lead=${lead} seen=${seen}>
     ${isOwn
       ? html`<${MotionPanel} />`
