@@ -1,6 +1,6 @@
 """`coaxial case`: which cases there are; one as a report, or as one file to be kept, checked, given away, brought in.
 
-Exit status: 0 done, 1 the check found something, 2 a report that cannot be written, 3 refused. What is heavy is
+Exit status: 0 done, 1 the check found something, 2 a file that cannot be written there, 3 refused. What is heavy is
 imported where it is used.
 """
 
@@ -14,7 +14,7 @@ import typer
 
 from service.cli.plain import plain_typer
 from service.cli.site import ConfigOption, DataFolderOption, in_one_line, site_settings
-from service.cli.streams import write_file
+from service.cli.streams import place_of, write_file
 
 if TYPE_CHECKING:
     from service.conductor.case_list import ListedCase
@@ -128,11 +128,12 @@ def export_one(
     from service.database.current import check_present, current_database
     from service.ledger.keys import signing_key
 
+    place = place_of(out)
     with site_settings(config, data_folder) as settings:
         check_present(settings)
         with current_database(settings) as database:
             signer, case_id = signing_key(settings.key_file), _whole_id(database, case_id)
-            export_case(database, signer, case_id, None, out, pseudonymised=pseudonymise)
+            export_case(database, signer, case_id, None, place, pseudonymised=pseudonymise)
     typer.echo(f"{out}: signed by key {signer.verifier.name}")
 
 

@@ -113,12 +113,28 @@ def refusal_line(refusal: "Refusal", image: Mapping[str, Any]) -> dict[str, Any]
 
 def write_file(path: Path, data: bytes) -> None:
     """Write a file whole or not at all, its folder made where missing; ends the command where that cannot be done."""
+    place = place_of(path)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(path) as part:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(place) as part:
             part.write_bytes(data)
     except OSError as error:
         end_unusable(path, error.strerror or error)
+
+
+def place_of(path: Path) -> Path:
+    """Where a file is written that will take the place of what is there: of what a link leads to, never of a device.
+
+    Ends the command there: as the superuser it would put a file into the place of /dev/stdout for everybody.
+    """
+    try:
+        is_another = path.exists() and not path.is_file() and not path.is_dir()
+        place = path.resolve()
+    except (OSError, RuntimeError) as error:  # no right to look, links in a circle
+        end_unusable(path, error)
+    if is_another:
+        end_unusable(path, "a device or a pipe, and no file")
+    return place
 
 
 def read_text_file(path: Path) -> bytes:

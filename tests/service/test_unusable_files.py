@@ -1,6 +1,7 @@
 """Commands on the record that are given what they cannot use: one line that says what to do, and nothing half-made."""
 
 import getpass
+import os
 import sqlite3
 from pathlib import Path
 
@@ -141,3 +142,23 @@ def test_a_report_that_cannot_be_written_ends_with_one_line_and_leaves_the_old_o
         write_file(old, b"new")
     assert old.read_bytes() == b"old"
     assert [one.name for one in tmp_path.iterdir()] == ["report.pdf"]
+
+
+def test_a_file_takes_no_device_s_place_and_goes_where_a_link_leads(tmp_path, capsys):
+    """As the superuser a report would else take the place of /dev/stdout, for everybody."""
+    pipe, link, old = tmp_path / "pipe", tmp_path / "link", tmp_path / "old"
+    os.mkfifo(pipe)
+    with pytest.raises(typer.Exit):
+        write_file(pipe, b"new")
+    assert capsys.readouterr().err == f"error: {pipe}: a device or a pipe, and no file\n"
+    assert pipe.is_fifo()
+    old.write_bytes(b"old")
+    link.symlink_to(old)
+    write_file(link, b"new")
+    assert link.is_symlink()
+    assert old.read_bytes() == b"new"
+    circle = tmp_path / "circle"
+    circle.symlink_to(circle)
+    with pytest.raises(typer.Exit):
+        write_file(circle, b"new")
+    assert circle.is_symlink()

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import shutil
 import sqlite3
 import zipfile
@@ -235,6 +236,14 @@ def test_a_case_that_is_there_with_other_content_is_refused(kept_archive, site) 
     assert result.exit_code == 3
     assert "case_differs" in result.stderr
     assert _counts(site.folder) == before
+
+
+def test_an_archive_takes_no_pipe_s_place(kept_archive, kept_site, tmp_path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    result = _run("export", kept_site.case_id, "--out", pipe, "--data-folder", kept_archive.parent / "site")
+    assert (result.exit_code, result.stderr) == (2, f"error: {pipe}: a device or a pipe, and no file\n")
+    assert pipe.is_fifo()
 
 
 def test_a_file_that_is_no_archive_begins_no_record(kept_archive, tmp_path) -> None:
