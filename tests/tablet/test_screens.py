@@ -86,7 +86,8 @@ _IN_SIGHT = """(element) => {
     const { left, right, top, bottom } = element.getBoundingClientRect();
     const places = [[left + 9, top + 9], [right - 9, top + 9], [left + 9, bottom - 9], [right - 9, bottom - 9]];
     return left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight
-        && places.every(([x, y]) => element.contains(document.elementFromPoint(x, y)) || !element.matches('button, p, .row'));
+        && (!element.matches('button, p, .row')
+            || places.every(([x, y]) => element.contains(document.elementFromPoint(x, y))));
 }"""
 
 
