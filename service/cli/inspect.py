@@ -93,13 +93,14 @@ def _to_json(inspection: "Inspection") -> dict[str, Any]:
     result = inspection.result
     if isinstance(result, Refusal):
         return refusal_to_json(result)
-    bounds = inspection.aim.bounds_95 if isinstance(inspection.aim, Aim) else result.predicted_error_95
+    aim = inspection.aim
+    bounds = aim.bounds_95 if isinstance(aim, Aim) else result.predicted_error_95
     return {
         "status": "registered",
         "residual_rms_px": result.residual_rms_px,
         "balls": result.distortion.balls,
         "predicted_error_95": predicted_error_to_json(bounds),
-    }
+    } | ({"target": refusal_to_json(aim)} if isinstance(aim, Refusal) else {})
 
 
 def _entry(path: Path, inspection: "Inspection") -> Entry:

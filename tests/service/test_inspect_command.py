@@ -56,6 +56,7 @@ def test_every_image_is_on_the_page_the_refused_too(folder: Path, tmp_path: Path
     assert result.exit_code == 0, result.output
     good, flipped, broken = map(json.loads, result.stdout.splitlines())
     assert good["status"] == "registered"
+    assert "target" not in good
     assert flipped["reason"]["code"] == "mirrored"
     assert broken["reason"]["code"] == "unreadable_image"
     assert "picture" not in broken
@@ -65,6 +66,16 @@ def test_every_image_is_on_the_page_the_refused_too(folder: Path, tmp_path: Path
     assert pictures == {good["picture"], flipped["picture"]}
     for name in pictures:
         assert cv2.imread(str(tmp_path / "new" / "out" / name)).shape[1] == 2000
+
+
+def test_a_target_that_cannot_be_aimed_at_is_told_beside_the_bounds_of_the_usual_one(
+    folder: Path, tmp_path: Path
+) -> None:
+    result = run(folder, tmp_path, "--pixel", "nan,480")
+    assert result.exit_code == 0, result.output
+    good, *_ = map(json.loads, result.stdout.splitlines())
+    assert good["status"] == "registered"
+    assert (good["target"]["status"], good["target"]["reason"]["code"]) == ("refused", "target_not_finite")
 
 
 def test_a_page_fetches_nothing_from_elsewhere_and_shows_names_as_they_are() -> None:
