@@ -12,6 +12,12 @@ def tell(items: Iterable[Item]) -> None:
     """A line for each item."""
     for one in items:
         measured = f"{one['measured']:.3g}" if isinstance(one["measured"], float) else one["measured"]
-        limit = "" if one["limit"] is None else f" (limit {one['limit']})"
+        limit = "" if one["limit"] is None else f" ({_asked(one['limit'])})"
         line = f"{'ok  ' if one['passed'] else 'FAIL'}  {one['code']}: {measured}{limit} {one['unit']}"
         typer.echo(line.rstrip() + (f". {one['what_to_do']}" if one["what_to_do"] else ""))
+
+
+def _asked(limit: object) -> str:
+    """A limit is a number; of anything else it is said what it is to be."""
+    is_number = isinstance(limit, int | float) and not isinstance(limit, bool)
+    return f"limit {limit}" if is_number else f"asked: {limit}"

@@ -3,33 +3,28 @@
 It changes nothing: no database, no key and no folder is made by looking.
 """
 
-import errno
 import os
 import shutil
-import socket
 import subprocess
 from collections.abc import Callable, Iterable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
-import httpx
 import sqlalchemy as sa
-from pynetdicom.sop_class import Verification
+from sqlalchemy.engine import Connection
 
-from robot.dashboard import DASHBOARD_PORT
 from service.auth.permissions import Role
 from service.auth.users import UserStore
 from service.conductor.check_items import CheckItem, device_items, item
 from service.database import tables
 from service.database.engines import Database, open_database
 from service.database.migrate import newest_version, version_of
+from service.devices.store import DeviceKind, list_devices
 from service.errors import ServiceError, answer_for
 from service.ledger.keys import signing_key
-from service.pacs.peer import association_with
-from service.settings import PeerSettings, Settings
+from service.operations.doctor_network import arm, dicom, http, peers
+from service.settings import Settings
 
-_RTDE_PORT = 30004
-_CONNECT_S = 1.0
 _ASK_S = 5.0
 # A record is dated when its transaction begins; another writer's clock may be this much ahead.
 _CLOCK_APART_S = 5.0
@@ -44,10 +39,10 @@ def examine(settings: Settings) -> list[CheckItem]:
         _key,
         _anchor,
         _database,
-        _http,
-        _arm,
-        _dicom,
-        _peers,
+        http,
+        arm,
+        dicom,
+        peers,
     )
     return [one for look in looks for one in _typed(look, settings)]
 
@@ -95,7 +90,9 @@ def _key(settings: Settings) -> Iterable[CheckItem]:
         )
         yield item("signing_key", False, str(settings.key_file), "a key", "", cure)
         return
-    yield item("signing_key", True, signing_key(settings.key_file).verifier.name[:12], "its owner's alone", "", "")
+    yield item(
+        "signing_key", True, signing_key(settings.key_file).verifier.name[:12], None, "", ""
+    )  # refused where others may read it
 
 
 def _anchor(settings: Settings) -> Iterable[CheckItem]:
@@ -142,7 +139,18 @@ def _opened(database: Database) -> Iterable[CheckItem]:
         "surgeons", surgeons > 0, str(surgeons), "1 or more", "", "Add one: `coaxial user add NAME --role surgeon`."
     )
     with database.read() as connection:
-        yield from device_items(connection)
+        yield from _devices(connection)
+
+
+def _devices(connection: Connection) -> Iterable[CheckItem]:
+    """What is missing, all at once; then whether each is in date."""
+    uploaded = {device.kind for device in list_devices(connection)}
+    missing = ", ".join(kind for kind in DeviceKind if kind not in uploaded)
+    if missing:
+        cure = "Upload each of them, as an engineer: `POST /api/devices/KIND`."
+        yield item("device_unknown", False, f"nothing of {missing} was uploaded", "a file of each kind", "", cure)
+        return
+    yield from device_items(connection)
 
 
 def _mode(database: Database) -> CheckItem:
@@ -154,81 +162,3 @@ def _mode(database: Database) -> CheckItem:
         off = [name for name in names if connection.execute(sa.text(f"SHOW {name}")).scalar() == "off"]
     cure = "Turn these on in postgresql.conf: a power cut would lose what was acknowledged."
     return item("database_durable", not off, ", ".join(off) or "on", "on", "", cure)
-
-
-def _arm(settings: Settings) -> Iterable[CheckItem]:
-    """Whether the controller listens; nothing is asked of it, so that nobody's motion is disturbed."""
-    if settings.arm_address is None:
-        return
-    cure = "Switch the controller on; check its network, `arm_address`, and that remote control is enabled."
-    for code, port in (("arm_dashboard", DASHBOARD_PORT), ("arm_rtde", _RTDE_PORT)):
-        yield item(code, _listens(settings.arm_address, port), f"{settings.arm_address}:{port}", "listens", "", cure)
-
-
-def _http(settings: Settings) -> Iterable[CheckItem]:
-    http = settings.http
-    cure = "Name an address of this machine in `http.host`, and a port that this user may open in `http.port`."
-    here = _is_here(http.host, http.port)
-    yield item("http_port", here, f"{http.host}:{http.port}", "this machine's", "", cure)
-    if here and http.port and _listens(http.host, http.port):
-        cure = "Another program has the port: end it, or name another one in `http.port`."
-        yield item(
-            "http_service", _is_a_service(http.host, http.port), f"{http.host}:{http.port}", "a service", "", cure
-        )
-
-
-def _dicom(settings: Settings) -> Iterable[CheckItem]:
-    dicom = settings.dicom
-    callers = ", ".join(dicom.accepted_callers)
-    cure = "Name the C-arm's AE title in `dicom.accepted_callers`: nobody else may send."
-    yield item("dicom_callers", bool(callers), callers, "an AE title", "", cure)
-    here = _is_here(dicom.host, dicom.port)
-    cure = "Name an address of this machine in `dicom.host`, and a port that this user may open in `dicom.port`."
-    yield item("dicom_port", here, f"{dicom.host}:{dicom.port}", "this machine's", "", cure)
-    if here and callers and dicom.port and _listens(dicom.host, dicom.port):
-        cure = "Another program has the port: end it, or name another one in `dicom.port`."
-        receiver = PeerSettings(host=dicom.host, port=dicom.port, ae_title=dicom.ae_title)
-        answers = _echoes(receiver, dicom.accepted_callers[0])
-        yield item("dicom_service", answers, f"{dicom.host}:{dicom.port}", "a service", "", cure)
-
-
-def _peers(settings: Settings) -> Iterable[CheckItem]:
-    """The hospital's archive and worklist answer an echo, where they are named."""
-    for code, peer in (("archive", settings.pacs), ("worklist", settings.worklist)):
-        if peer.host is not None:
-            answers = _echoes(peer, settings.dicom.ae_title)
-            yield item(code, answers, peer.ae_title, "answers", "", answer_for("peer_unreachable").what_to_do)
-
-
-def _echoes(peer: PeerSettings, calling: str) -> bool:
-    try:
-        with association_with(peer, calling, [Verification]) as association:
-            return "Status" in association.send_c_echo()
-    except ServiceError:
-        return False
-
-
-def _listens(host: str, port: int) -> bool:
-    try:
-        socket.create_connection((host, port), _CONNECT_S).close()
-    except OSError:
-        return False
-    return True
-
-
-def _is_a_service(host: str, port: int) -> bool:
-    """Whether what listens there answers as a service that runs does."""
-    try:
-        answer = httpx.get(f"http://{host}:{port}/api/health/live", timeout=_ASK_S, trust_env=False)
-        return answer.is_success and answer.json().get("status") == "up"
-    except (httpx.HTTPError, ValueError, AttributeError):
-        return False
-
-
-def _is_here(host: str, port: int) -> bool:
-    """Whether the address is this machine's, and its port free or in use, then by a service that runs."""
-    try:
-        socket.create_server((host, port)).close()
-    except OSError as error:
-        return error.errno == errno.EADDRINUSE
-    return True

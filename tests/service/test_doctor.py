@@ -1,6 +1,8 @@
 """`coaxial doctor`: what is well passes, what is not says what to do, and looking changes nothing."""
 
 import json
+import socket
+import time
 from collections.abc import Callable
 from datetime import datetime, timedelta
 from http.server import HTTPServer, SimpleHTTPRequestHandler
@@ -9,6 +11,8 @@ from threading import Thread
 from urllib.parse import urlsplit
 
 import pytest
+from pynetdicom import AE
+from pynetdicom.sop_class import Verification
 from typer.testing import CliRunner
 
 from service.auth.permissions import Role
@@ -19,6 +23,12 @@ from service.images.receiver import DicomReceiver
 from service.ledger.keys import signing_key
 from service.operations.doctor import examine
 from service.settings import AuditSettings, DicomSettings, HttpSettings, PeerSettings, Settings
+
+
+class HTTPServer6(HTTPServer):
+    """A web server on an IPv6 address."""
+
+    address_family = socket.AF_INET6
 
 
 @pytest.fixture
@@ -129,6 +139,15 @@ def test_a_room_without_users_or_device_files_says_so(tmp_path, database):
     assert {"surgeons", "device_unknown"} <= _failed(settings).keys()
 
 
+def test_every_device_file_that_is_missing_is_named_at_once(tmp_path, database, users, device_files):
+    settings = Settings(data_folder=tmp_path, database_url=database.writer.url.render_as_string(hide_password=False))
+    surgeon = users.add("anna", Role.SURGEON, "correct horse", "2468")
+    with database.write() as connection:
+        add_device(connection, DeviceKind.CARM, device_files["carm"].encode(), surgeon.id)
+    [missing] = [one for one in examine(settings) if one.code == "device_unknown"]
+    assert missing.measured == "nothing of guide, tcp, room was uploaded"
+
+
 def test_a_dicom_port_that_another_program_has_is_told_from_the_service_s_own(well, database):
     own = DicomReceiver(well.dicom, database, ImageArrivals(), lambda: None)
     with own.listening() as port:
@@ -139,6 +158,38 @@ def test_a_dicom_port_that_another_program_has_is_told_from_the_service_s_own(we
         other.shutdown()
     assert set(failed) == {"dicom_service"}
     assert "Another program has the port" in failed["dicom_service"]
+
+
+def test_another_dicom_program_that_answers_an_echo_is_not_taken_for_the_service(well):
+    archive = AE(ae_title="COAXIAL")
+    archive.implementation_class_uid = "1.2.276.0.7230010.3.0.3.6.7"  # dcmtk's
+    archive.add_supported_context(Verification)
+    other = archive.start_server(("127.0.0.1", 0), block=False)
+    failed = _failed(_changed(well, dicom=well.dicom.model_copy(update={"port": other.socket.getsockname()[1]})))
+    other.shutdown()
+    assert set(failed) == {"dicom_service"}
+
+
+def test_a_program_at_the_dicom_port_that_says_nothing_is_not_waited_for_long(well):
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        settings = _changed(well, dicom=well.dicom.model_copy(update={"port": silent.getsockname()[1]}))
+        begun_s = time.monotonic()
+        assert set(_failed(settings)) == {"dicom_service"}
+    assert time.monotonic() - begun_s < 12.0  # s; 5 are given to the answer, 15 or more were
+
+
+def test_an_ipv6_address_of_this_machine_is_one(well, database):
+    dicom_settings = well.dicom.model_copy(update={"host": "::1"})
+    with HTTPServer6(("::1", 0), SimpleHTTPRequestHandler) as other:
+        Thread(target=other.serve_forever, daemon=True).start()
+        settings = _changed(well, http=HttpSettings(host="::1", port=other.server_port))
+        items = {one.code: one for one in examine(settings)}
+        other.shutdown()
+    assert items["http_port"].passed
+    assert items["http_port"].measured == f"[::1]:{other.server_port}"
+    assert "Another program" in items["http_service"].what_to_do
+    with DicomReceiver(dicom_settings, database, ImageArrivals(), lambda: None).listening() as port:
+        assert _failed(_changed(well, dicom=dicom_settings.model_copy(update={"port": port}))) == {}
 
 
 def test_a_port_that_another_program_has_is_told_from_the_service_s_own(well, running):
