@@ -4,6 +4,7 @@ Exit status: 0 done, 3 refused (the JSON says why), 2 wrong usage or unreadable 
 """
 
 import json
+import math
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -32,6 +33,14 @@ if TYPE_CHECKING:
     from vision.registered import Registration
 
 calibrate_tcp = plain_typer()
+
+# H09: so far a TCP may stand from the base's origin: a UR5 reaches 850 mm, its tool at most 600 mm farther. What was
+# written in metres stands a millimetre away.
+_FROM_BASE_MM = (50.0, 1500.0)
+# Own choice: a ruler finds a TCP to less. Beyond, the controller had another TCP than --tool, which no residual shows;
+# the envelope that is kept from the patient would be off by it (H12).
+_CHANGE_LIMIT_MM = 10.0
+_CHANGE_LIMIT_RAD = math.radians(5.0)
 
 
 def _not_past(expires: datetime) -> datetime:
@@ -67,7 +76,7 @@ def calibrate_tcp_command(
 
     before = read_device(tool, read_tool)
     recorded = _recorded(poses)
-    registrations = _registrations(recorded, read_device(guide, read_guide), read_device(carm, read_carm))
+    registrations = _registrations(poses, recorded, read_device(guide, read_guide), read_device(carm, read_carm))
     found = _calibrated([pose for _, pose in recorded], registrations, before)
     if isinstance(found, Refusal):
         print_line(
@@ -93,7 +102,8 @@ def _recorded(path: Path) -> "list[tuple[Path, Transform]]":
             continue
         try:
             line = json.loads(text)
-            recorded.append((path.parent / line["image"], check_rigid(np.array(line["base_from_tcp"]))))
+            pose = _in_reach(check_rigid(np.array(line["base_from_tcp"])))
+            recorded.append((path.parent / line["image"], pose))
         except KeyError as error:
             end_unusable(path, f"line {number} has no {error}")
         except (ValueError, TypeError, RecursionError) as error:
@@ -101,14 +111,38 @@ def _recorded(path: Path) -> "list[tuple[Path, Transform]]":
     return recorded
 
 
-def _registrations(recorded: "list[tuple[Path, Transform]]", guide: "Guide", carm: "CArm") -> "list[Registration]":
-    """Of every image; ends the command with the first that is refused: a pose without its image is none."""
+def _in_reach(base_from_tcp: "Transform") -> "Transform":
+    """The pose unchanged; ValueError where no arm could hold it."""
+    import numpy as np
+
+    low_mm, high_mm = _FROM_BASE_MM
+    from_base_mm = float(np.linalg.norm(base_from_tcp[:3, 3]))
+    if not low_mm <= from_base_mm <= high_mm:
+        raise ValueError(
+            f"base_from_tcp stands {from_base_mm:.4g} mm from the base, not {low_mm:g} to {high_mm:g}: write it in mm"
+        )
+    return base_from_tcp
+
+
+def _registrations(
+    poses: Path, recorded: "list[tuple[Path, Transform]]", guide: "Guide", carm: "CArm"
+) -> "list[Registration]":
+    """Of every image; ends the command with the first that is refused: a pose without its image is none.
+
+    The same image again would count as another witness: what is left uncertain would come out too small.
+    """
     from vision.refusal import Refusal
     from vision.registration import register
 
-    registrations = []
+    registrations: list[Registration] = []
+    seen: dict[str, Path] = {}
     for path, _ in recorded:
         identity, image = read_image(path, None)
+        digest = identity.get("sha256", str(path))  # a file that is too large has none, and is refused below
+        if digest in seen:
+            again = f"{path.name} is the image {seen[digest].name} again"
+            end_unusable(poses, f"{again}: each pose needs an exposure of its own")
+        seen[digest] = path
         result = image if isinstance(image, Refusal) else register(image, guide, carm)
         if isinstance(result, Refusal):
             print_refusal(result, identity)
@@ -132,7 +166,24 @@ def _calibrated(
     tcp_from_flange = np.linalg.inv(before.flange_from_guide)
     pairs = zip(base_from_tcps, seen, strict=True)
     poses = [Sighting(p @ tcp_from_flange, s.source_from_guide, s.shared, s.weights, s.offset) for p, s in pairs]
-    return calibrate(poses, SharedPrior(prior.values, prior.weights), before.flange_from_guide)
+    found = calibrate(poses, SharedPrior(prior.values, prior.weights), before.flange_from_guide)
+    return found if isinstance(found, Refusal) else _refuse_change(found, before) or found
+
+
+def _refuse_change(found: "HandEye", before: "Tool") -> "Refusal | None":
+    from robot.frames import distance_between
+    from robot.refusal import Refusal, RefusalCode
+
+    advice = (
+        "the TCP comes out too far from that in --tool: name the file whose TCP the controller had at these poses; if"
+        " it is that, measure the TCP with a ruler, set the controller to it and record the poses anew"
+    )
+    change_mm, change_rad = distance_between(before.flange_from_guide, found.flange_from_guide)
+    if not change_mm <= _CHANGE_LIMIT_MM:
+        return Refusal(RefusalCode.TCP_MISMATCH, f"{advice} (mm)", change_mm, _CHANGE_LIMIT_MM)
+    if not change_rad <= _CHANGE_LIMIT_RAD:
+        return Refusal(RefusalCode.TCP_MISMATCH, f"{advice} (rad)", change_rad, _CHANGE_LIMIT_RAD)
+    return None
 
 
 def _result(found: "HandEye", before: "Tool", out: Path) -> dict[str, Any]:

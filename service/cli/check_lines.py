@@ -20,4 +20,4 @@ def tell(items: Iterable[Item]) -> None:
 def _asked(limit: object) -> str:
     """A limit is a number; of anything else it is said what it is to be."""
     is_number = isinstance(limit, int | float) and not isinstance(limit, bool)
-    return f"limit {limit}" if is_number else f"asked: {limit}"
+    return f"limit {limit:.3g}" if is_number else f"asked: {limit}"

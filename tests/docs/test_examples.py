@@ -13,6 +13,7 @@ from sybil import Document
 from sybil.parsers.markdown import CodeBlockParser
 
 from coaxial_client import Case, Coaxial, Hold
+from robot.tool import read_tool
 from service.cases.records import StoredEvent
 from service.cases.server_sent import server_sent
 from service.motion.endings import Ending
@@ -59,6 +60,12 @@ def test_the_guide_file_of_the_engineers_manual_is_one():
     guide = read_guide(_blocks("engineers-manual.md", "toml")[1].encode())
     assert guide.name == "guide-7"
     assert guide.bead is not None
+
+
+def test_the_tcp_file_of_the_engineers_manual_is_one() -> None:
+    tool = read_tool(_blocks("engineers-manual.md", "toml")[2].encode())
+    assert tool.calibration_sd_mm == 1.0
+    assert tool.expires is not None
 
 
 def test_the_program_of_the_api_guide_runs_and_prints_what_the_page_says(running):

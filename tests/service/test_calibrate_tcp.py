@@ -3,6 +3,7 @@
 import json
 from datetime import date
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -103,6 +104,52 @@ def test_too_few_poses_are_refused_and_nothing_is_written(recorded: Path) -> Non
     assert refused.exit_code == 3
     told = json.loads(refused.stdout)
     assert (told["code"], told["measured"], told["limit"]) == ("too_few_poses", 1.0, 6.0)
+    assert not (recorded / "new.toml").exists()
+
+
+def rewritten(folder: Path, name: str, lines: list[dict[str, Any]]) -> str:
+    (folder / "new.toml").unlink(missing_ok=True)
+    (folder / name).write_text("\n".join(json.dumps(line) for line in lines))
+    return name
+
+
+def told_poses(folder: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in (folder / "poses.jsonl").read_text().splitlines()]
+
+
+@pytest.mark.hazard("H12")
+def test_poses_of_a_controller_with_another_tcp_are_refused_though_all_fit_together(recorded: Path) -> None:
+    lines = told_poses(recorded)
+    for line in lines:  # its TCP stood 30 mm farther along the flange's z than that of the file
+        line["base_from_tcp"] = (np.array(line["base_from_tcp"]) @ pose([0, 0, 0], [0.0, 0.0, 30.0])).tolist()
+    refused = run(recorded, rewritten(recorded, "other.jsonl", lines))
+    assert refused.exit_code == 3, refused.output
+    told = json.loads(refused.stdout)
+    assert (told["code"], told["limit"]) == ("tcp_mismatch", 10.0)
+    assert told["measured"] == pytest.approx(30.0, abs=1.0)
+    assert "name the file whose TCP the controller had" in told["message"]
+    assert not (recorded / "new.toml").exists()
+
+
+@pytest.mark.hazard("H09")
+def test_a_pose_in_metres_is_no_pose_and_its_line_is_named(recorded: Path) -> None:
+    lines = told_poses(recorded)
+    in_metres = np.array(lines[2]["base_from_tcp"])
+    in_metres[:3, 3] /= 1000.0
+    lines[2]["base_from_tcp"] = in_metres.tolist()
+    refused = run(recorded, rewritten(recorded, "metres.jsonl", lines))
+    assert refused.exit_code == 2
+    assert "line 3 " in refused.stderr
+    assert "write it in mm" in refused.stderr
+
+
+def test_an_image_again_under_another_name_is_no_further_witness(recorded: Path) -> None:
+    lines = told_poses(recorded)
+    (recorded / "again.png").write_bytes((recorded / "0.png").read_bytes())
+    lines.insert(1, lines[0] | {"image": "again.png"})
+    refused = run(recorded, rewritten(recorded, "again.jsonl", lines))
+    assert refused.exit_code == 2
+    assert "again.png is the image 0.png again" in refused.stderr
     assert not (recorded / "new.toml").exists()
 
 
