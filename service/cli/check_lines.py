@@ -20,4 +20,5 @@ def tell(items: Iterable[Item]) -> None:
 def _asked(limit: object) -> str:
     """A limit is a number; of anything else it is said what it is to be."""
     is_number = isinstance(limit, int | float) and not isinstance(limit, bool)
-    return f"limit {limit:.3g}" if is_number else f"asked: {limit}"
+    told = f"{limit:.3g}" if isinstance(limit, float) else limit  # radians have sixteen digits
+    return f"limit {told}" if is_number else f"asked: {told}"
