@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from vision.corrected_image import CorrectedImage
 from vision.curvature import Curvature
-from vision.detection import QUICK, AxisRange, Effort, RingCandidate, ring_candidates, rings_near
+from vision.detection import BESIDE, QUICK, AxisRange, Effort, RingCandidate, ring_candidates, rings_near
 from vision.devices import CArm, Guide
 from vision.first_pose import LineDirections, RingView, consistent_pairs
 from vision.other_ring import other_rings
@@ -81,7 +81,7 @@ def rings_left(candidates: Candidates, wires: Array) -> tuple[list[RingCandidate
     A guide's own rings, being conspicuous, crowd out fainter ones.
     """
     left = candidates.ridge.beyond(wires, _OWN_WITHIN * candidates.ridge.spacing_px)
-    return [*candidates.rings, *ring_candidates(left, candidates.axes, QUICK)], left
+    return [*candidates.rings, *ring_candidates(left, candidates.axes, BESIDE)], left
 
 
 def completed(

@@ -41,6 +41,7 @@ class Effort:
 
 
 QUICK = Effort(3_000, 40)  # enough for rings as conspicuous as they mostly are
+BESIDE = Effort(30_000, 80)  # in what a guide leaves: some triples of a ring of 300 points among 5,000
 THOROUGH = Effort(100_000, 150)  # a faint ring among 5,000 ridge points still gets tens of triples of its own
 
 

@@ -26,8 +26,10 @@ FALSE_REFUSAL = 1e-4  # probability, for each test of the device files, that fil
 GREATEST_PULL_SD = float(norm.isf(FALSE_REFUSAL / 2.0))  # of one quantity, over the spread that its pull should have
 GREATEST_TILT_RAD = math.radians(45.0)
 LEAST_RING_COVERAGE = 0.5  # of the directions about a ring's centre that hold accepted points
+GREATEST_UNEXPLAINED = 3.0  # root mean square of a ring's residuals over what is expected of them; good images: 1.2
+STRUCTURE_PX = 0.05  # what bone and crossings leave of a place, however little noise its pixels have
 LEAST_LINE_COVERAGE = 0.4
-LEAST_LINE_COVERAGE_WITHOUT_ENDS = 0.7  # where rings or balls cover both ends, the line itself must be seen well
+LEAST_LINE_ENDS = 1  # an edge of bone may be as long and as straight as the line; it does not end where the line does
 GREATEST_GAP_RAD = math.radians(100.0)  # of a ring, though nothing known covers it: less than 260 deg hold it loosely
 GREATEST_BEAD_SD = math.sqrt(chi2.isf(FALSE_REFUSAL, 2))
 GREATEST_SCALE_OFF = 0.06  # relative: the plate's pixel size against the C-arm file's; distances of plate and SID
@@ -61,6 +63,21 @@ def check_residual(fit: ContourFit) -> Refusal | None:
     if not fit.noise_px <= GREATEST_RESIDUAL_PX:
         message = "ridge points scatter about the fitted wires (px)"
         return Refusal(RefusalCode.RESIDUAL_TOO_HIGH, message, fit.noise_px, GREATEST_RESIDUAL_PX)
+    return None
+
+
+def check_explained(fit: ContourFit, observations: Observations) -> Refusal | None:
+    """What a ring's places leave must be about what noise and structure leave: else the model does not hold.
+
+    A map that rests on too few balls, or on wrong ones, bends all wires smoothly, by far more than it promises.
+    """
+    for wire, name in ((Wire.SMALL_RING, "small ring"), (Wire.BIG_RING, "big ring")):
+        on = (observations.wire == wire) & (fit.weight > 0.0)
+        expected_px = np.hypot(observations.sd_px[on], STRUCTURE_PX)
+        unexplained = float(np.sqrt(np.mean((fit.residual_px[on] / expected_px) ** 2)))
+        if not unexplained <= GREATEST_UNEXPLAINED:
+            message = f"what the {name}'s places leave, over what noise and structure explain"
+            return Refusal(RefusalCode.RESIDUAL_TOO_HIGH, message, unexplained, GREATEST_UNEXPLAINED)
     return None
 
 
@@ -167,12 +184,14 @@ def _longest_gap(seen: NDArray[np.bool_], missing: NDArray[np.bool_]) -> float:
 
 
 def check_line(fit: ContourFit, observations: Observations, places: WireSamples, ends: list[LineEnd]) -> Refusal | None:
-    """Accepted points along the line, of the places where it could be measured; more of them where no end is seen."""
+    """Accepted points along the line, of the places where it could be measured, and an end of it that is seen."""
     possible = int((places.wire == Wire.LINE).sum())
     share = float((fit.weight[observations.wire == Wire.LINE] > 0.0).sum()) / max(possible, 1)
-    limit = LEAST_LINE_COVERAGE if ends else LEAST_LINE_COVERAGE_WITHOUT_ENDS
-    if share < limit:
-        return Refusal(RefusalCode.LINE_MISSING, "share of the indicator line that is seen", share, limit)
+    if share < LEAST_LINE_COVERAGE:
+        return Refusal(RefusalCode.LINE_MISSING, "share of the indicator line that is seen", share, LEAST_LINE_COVERAGE)
+    if len(ends) < LEAST_LINE_ENDS:
+        message = "ends of the indicator line that are seen"
+        return Refusal(RefusalCode.LINE_MISSING, message, len(ends), LEAST_LINE_ENDS)
     return None
 
 

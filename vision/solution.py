@@ -92,6 +92,7 @@ def _with_bead(last: Round, scene: Scene) -> Solution | Refusal:
     fit = fit_contour(view, guide, observations, scene.priors, scene.plate, None if far else last.fit)
     refusal = (
         gates.check_residual(fit)
+        or gates.check_explained(fit, observations)
         or gates.check_pulls(fit)
         or gates.check_trust(fit, scene.guide)
         or gates.check_tilt(fit.view)

@@ -103,15 +103,32 @@ def test_points_without_weight_are_not_seen(fit: ContourFit) -> None:
 END = LineEnd(66.0, 0.0, 0.5, 0.3)
 
 
-@pytest.mark.parametrize(("ends", "needed"), [([END], 16), ([], 28)])
-def test_the_line_must_be_seen_and_better_where_no_end_is(fit: ContourFit, ends: list[LineEnd], needed: int) -> None:
-    for count, passes in ((needed, True), (needed - 1, False)):
-        seen = np.ones(184, dtype=bool)
-        seen[144 + count :] = False
-        fewer = replace(fit, weight=np.ones(int(seen.sum())))
-        refusal = gates.check_line(fewer, observations(seen), places(), ends)
+def line(fit: ContourFit, count: int, ends: list[LineEnd]) -> Refusal | None:
+    """The gate's word when so many of the line's 40 places are seen."""
+    seen = np.ones(184, dtype=bool)
+    seen[144 + count :] = False
+    fewer = replace(fit, weight=np.ones(int(seen.sum())))
+    return gates.check_line(fewer, observations(seen), places(), ends)
+
+
+def test_the_line_must_be_seen_with_an_end_of_it(fit: ContourFit) -> None:
+    assert line(fit, 16, [END]) is None
+    for count, ends in ((15, [END]), (40, [])):
+        refusal = line(fit, count, ends)
+        assert refusal is not None
+        assert refusal.code is RefusalCode.LINE_MISSING
+
+
+@pytest.mark.hazard("H07")
+@pytest.mark.parametrize("wire", [slice(0, 72), slice(72, 144)], ids=["small", "big"])
+def test_what_a_ring_leaves_must_be_noise_and_structure(fit: ContourFit, wire: slice) -> None:
+    everywhere = replace(observations(np.ones(184, dtype=bool)), sd_px=np.full(184, 0.12))
+    left = np.zeros(184)
+    for left_px, passes in ((0.38, True), (0.40, False)):  # three times 0.13 px
+        left[wire] = left_px
+        refusal = gates.check_explained(replace(fit, residual_px=left, weight=np.ones(184)), everywhere)
         assert (refusal is None) is passes
-        assert refusal is None or refusal.code is RefusalCode.LINE_MISSING
+        assert refusal is None or refusal.code is RefusalCode.RESIDUAL_TOO_HIGH
 
 
 def test_line_ends_in_place_pass_others_do_not() -> None:

@@ -21,7 +21,9 @@ _SEEDS, _SMALL_SEEDS = range(7), (2, 4, 6)
 # accepted and wrong, once, as the separation's 1; and more where nothing is wrong
 _MORE = {
     Fault.SEPARATION: (7, 15),
-    Fault.SECOND_GUIDE: (16, 19, 27, 35, 47, 10054, 700224),
+    Fault.SECOND_GUIDE: (16, 19, 27, 35, 47, 10054, 700224, 1002060),
+    Fault.MIRRORED: (1001986,),  # with a line along an edge of bone
+    Fault.SATURATION: (1001853,),
     Fault.NOTHING: range(7, 10),
 }
 _ALWAYS_REFUSED = {
