@@ -14,18 +14,17 @@ import math
 import sys
 from functools import partial
 from itertools import zip_longest
-from pathlib import Path
 
 from benchmarks.evidence.runs import begin, finish, left, publish, workers
 from benchmarks.faulted.page import page
 from benchmarks.faulted.trials import ITEMS
+from benchmarks.kept import at_least_one, results_file, results_folder
 from simulator.carm.faulted import Fault
 
 
 def main() -> None:
     """Run what is missing, publish, print the page."""
     options = _options()
-    options.folder.mkdir(parents=True, exist_ok=True)
     published = options.published or options.folder / "published.json"
     seeds = range(options.first, options.first + math.ceil(options.count / len(options.faults)))
     asked, items, whole = [ITEMS[fault] for fault in options.faults], list(ITEMS.values()), True
@@ -44,13 +43,13 @@ def main() -> None:
 
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--folder", type=Path, required=True, help="where the results are kept")
+    parser.add_argument("--folder", type=results_folder, required=True, help="where the results are kept")
     parser.add_argument("--count", type=int, default=1000, help="scenes over all faults (default 1000)")
     parser.add_argument("--first", type=int, default=0, help="seed of each fault's first scene (default 0)")
-    parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--processes", type=at_least_one, default=1)
     parser.add_argument("--faults", nargs="+", type=Fault, default=list(Fault), help="by default all")
-    parser.add_argument("--published", type=Path, help="results so far (default FOLDER/published.json)")
-    parser.add_argument("--page", type=Path, help="where the page is written, beside being printed")
+    parser.add_argument("--published", type=results_file, help="results so far (default FOLDER/published.json)")
+    parser.add_argument("--page", type=results_file, help="where the page is written, beside being printed")
     return parser.parse_args()
 
 

@@ -12,6 +12,7 @@ _ROOT = Path(__file__).parents[2]
 @pytest.mark.parametrize(
     "command",
     [
+        ["-m", "benchmarks.faulted"],
         ["-m", "benchmarks.mutation"],
         ["-m", "benchmarks.coverage"],
         ["benchmarks/coverage.py"],
