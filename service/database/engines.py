@@ -14,6 +14,7 @@ import sqlalchemy as sa
 from psycopg.errors import LockNotAvailable
 from sqlalchemy.engine import Connection, Engine
 from sqlalchemy.exc import DatabaseError, DataError, DBAPIError, OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 
 from service.database.json_text import to_text
 from service.database.postgresql import BUSY_S, expect_answers, postgresql_engine
@@ -152,6 +153,8 @@ def _typed_faults() -> Iterator[None]:
     """
     try:
         yield
+    except PoolTimeout as error:  # every connection waits, as for a server that fell silent
+        raise ServiceError(ErrorCode.DATABASE_BUSY, "every connection to the database is in use") from error
     except DataError as error:  # PostgreSQL alone: SQLite keeps any text
         raise ServiceError(ErrorCode.MALFORMED_REQUEST, "a text or a number is none that a record can hold") from error
     except OperationalError as error:

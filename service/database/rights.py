@@ -18,6 +18,6 @@ def grant_rights(connection: Connection, role: str) -> None:
         f"GRANT SELECT, INSERT ON {kept} TO {quoted}",
         f"GRANT SELECT, INSERT, UPDATE, DELETE ON {mutable} TO {quoted}",
         f"GRANT SELECT ON alembic_version TO {quoted}",
-        f"GRANT USAGE ON ALL SEQUENCES IN SCHEMA public TO {quoted}",
+        f"GRANT USAGE, SELECT ON ALL SEQUENCES IN SCHEMA public TO {quoted}",
     ):
         connection.exec_driver_sql(statement)

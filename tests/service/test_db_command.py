@@ -170,6 +170,12 @@ def test_the_service_s_role_adds_records_and_may_change_none(as_service):
             connection.execute("DROP TRIGGER events_append_only ON events")
 
 
+def test_the_service_s_role_may_back_up(as_service, run, tmp_path):
+    _, owner = as_service
+    result = run(owner.replace("coaxial@", "service_role@"), "backup", str(tmp_path / "copy"))
+    assert result.exit_code == 0, result.output
+
+
 def test_a_role_that_may_not_upgrade_says_who_may(as_service):
     database, owner = as_service
     with psycopg.connect(owner) as connection:

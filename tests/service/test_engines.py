@@ -1,12 +1,13 @@
 """The traps of databases under SQLAlchemy: lost updates, weak PRAGMAs, readers that write."""
 
 import threading
+from contextlib import ExitStack, closing
 
 import pytest
 import sqlalchemy as sa
 from sqlalchemy.exc import IntegrityError, InternalError
 
-from service.database import tables
+from service.database import engines, tables
 from service.database.engines import Database, open_database
 from service.errors import ErrorCode, ServiceError
 
@@ -120,3 +121,17 @@ def test_a_full_disk_is_a_typed_fault_and_the_rest_stays(database):
     assert refusal.value.code == ErrorCode.DISK_FULL
     with database.read() as connection:
         assert connection.execute(sa.select(tables.image_bytes)).all() == []
+
+
+def test_a_reader_that_finds_every_connection_in_use_is_refused_with_a_code(database, monkeypatch):
+    """What records a stop tries again after a refusal; after anything else it would be over."""
+    monkeypatch.setitem(engines._OPTIONS, "pool_timeout", 0.01)
+    address = database.writer.url.render_as_string(hide_password=False)
+    with closing(open_database(address)) as other, ExitStack() as readers, pytest.raises(ServiceError) as refused:
+        _read_without_an_end(other, readers)
+    assert refused.value.code == ErrorCode.DATABASE_BUSY
+
+
+def _read_without_an_end(database: Database, readers: ExitStack) -> None:
+    for _ in range(50):
+        readers.enter_context(database.read())
