@@ -1,4 +1,4 @@
-"""What the page asks of the service: one reading for many events, and no motion of numbers that nobody entered."""
+"""What the page asks: one reading for many events, a motion only of entered numbers, a PIN with the focus kept."""
 
 from dataclasses import dataclass, field
 
@@ -12,6 +12,10 @@ _EVENTS = 20
 _LOOK_EVERY_MS = 20
 _HAS_HEARD = """state => import('/js/case/live.js').then(({ events }) => events.value.at(-1)?.state === state)"""
 _POSE = {"x": 510.0, "y": -20.5, "z": 305.0, "rx": 0.0, "ry": -3.0, "rz": 90.0}
+_FOCUSED_IN = """() =>
+    ['.sheet', '.stop', '.emergency', 'button, a, input'].find((one) => document.activeElement.closest(one)) ?? ''
+"""
+_MORE_TABS_THAN_PLACES = 60
 
 
 @dataclass
@@ -74,3 +78,20 @@ def test_an_approach_goes_where_six_entered_numbers_say_and_nowhere_else(allowed
     *translation_mm, rx, ry, rz = _POSE.values()
     goal = {"translation_mm": translation_mm, "rotation_vector_deg": [rx, ry, rz]}
     assert asked.value.post_data_json == {"kind": "approach", "base_from_goal": goal}
+
+
+def test_the_keyboard_stays_in_a_question_with_stop_and_the_title_follows_the_language(allowed_at):
+    tablet = allowed_at(State.VERIFIED)
+    page = tablet.page
+    tablet.press("Lock the arm and insert")
+    page.get_by_role("heading", name="Your PIN starts the insertion").wait_for()
+    for key in ("Tab", "Shift+Tab"):
+        reached = set()
+        for _ in range(_MORE_TABS_THAN_PLACES):
+            page.keyboard.press(key)
+            reached.add(page.evaluate(_FOCUSED_IN))
+        assert ".sheet" in reached
+        assert reached <= {".sheet", ".stop", ".emergency", ""}
+    assert ".stop" in reached
+    page.evaluate("import('/js/words.js').then(({ speak }) => speak('de'))")
+    page.get_by_role("heading", name="Ihre PIN beginnt die Einführung").wait_for()

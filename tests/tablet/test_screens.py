@@ -19,6 +19,7 @@ _SCREENS = [(1280, 800), (1024, 768)]
 _LANGUAGES = ["de-DE", "en-GB"]
 _PRIMARY = ".button.is-primary:not([disabled])"
 _LIFE_S = 30.0
+_DETECTABLE = {"rotation_deg": 0.25, "across_mm": 1.2, "along_mm": 12.5}
 # What comes next in each state; a waiting screen says for what.
 _NEXT = {
     State.CASE_OPEN: _PRIMARY,
@@ -38,7 +39,7 @@ _NEXT = {
 }
 # What is decided in a state rests on this, down to the last figure.
 _RESTS_ON = dict.fromkeys(
-    (State.VERIFIED, State.OFF_TARGET), (".verdict", ".doing .figures ~ .figures .row:last-child")
+    (State.VERIFIED, State.OFF_TARGET), (".verdict", ".doing .figures ~ .figures .row:last-child", ".others button")
 )
 _PLACES = {
     "": (Role.SURGEON, _PRIMARY),
@@ -82,9 +83,30 @@ _MORE_UNTOLD = """() => {
     const { top, height } = told.getBoundingClientRect();
     return height === 0 || top < doing.getBoundingClientRect().bottom;
 }"""
+# Each line of text in the half where things are done that something lies over, though it is not scrolled away.
+_COVERED = """() => {
+    const doing = document.querySelector('.doing');
+    if (!doing || document.querySelector('.sheet-back, .drawer')) return [];
+    const walker = document.createTreeWalker(doing, NodeFilter.SHOW_TEXT), found = [];
+    const edge = doing.getBoundingClientRect();
+    while (walker.nextNode()) {
+        const text = walker.currentNode, range = document.createRange(), part = text.parentElement;
+        if (!text.data.trim() || !part.checkVisibility()) continue;
+        range.selectNodeContents(text);
+        for (const line of range.getClientRects()) {
+            const x = (line.left + line.right) / 2, y = line.bottom - 2;
+            if (y <= edge.top || y >= edge.bottom) continue;
+            const top = document.elementFromPoint(x, y);
+            if (!top || !(part.contains(top) || top.contains(part))) found.push(text.data);
+        }
+    }
+    return found;
+}"""
 _IN_SIGHT = """(element) => {
     const { left, right, top, bottom } = element.getBoundingClientRect();
     const places = [[left + 9, top + 9], [right - 9, top + 9], [left + 9, bottom - 9], [right - 9, bottom - 9]];
+    const half = element.closest('.doing')?.getBoundingClientRect();
+    if (half && (top < half.top - 1 || bottom > half.bottom + 1)) return false;
     return left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight
         && (!element.matches('button, p, .row')
             || places.every(([x, y]) => element.contains(document.elementFromPoint(x, y))));
@@ -107,8 +129,10 @@ class Looks:
         take_picture(page, f"{self.name}_{screen}")
         self.faults += [f"{screen}: {text!r} leaves {what!r}" for text, what in page.evaluate(_CUT_OFF)]
         for what in (next_action, ".stop", *told):
-            if not page.locator(what).first.evaluate(_IN_SIGHT):
+            parts = page.locator(what).all() if what in told else [page.locator(what).first]
+            if not parts or not all(part.evaluate(_IN_SIGHT) for part in parts):
                 self.faults.append(f"{screen}: {what} is not whole in sight")
+        self.faults += [f"{screen}: something lies over {text!r}" for text in page.evaluate(_COVERED)]
         if page.evaluate(_MORE_UNTOLD):
             self.faults.append(f"{screen}: nothing says that there is more below, or it covers something")
         if not page.evaluate(IS_ON_TOP, ".stop"):
@@ -175,7 +199,7 @@ def test_a_motion_is_entered_planned_approved_and_held_without_scrolling(at, res
     hand.tap(page.locator(".doing .actions > .is-primary"))
     looks.look("pin", ".sheet .is-enter")
     hand.enter(PIN)
-    looks.look("hold", ".hold")
+    looks.look("hold", ".hold", ".permit-left", ".permit button")
     assert looks.faults == []
 
 
@@ -186,7 +210,7 @@ def _open_motions(looks: Looks, tab: int) -> None:
 
 def _answer_motions(page: Page, results: Results) -> None:
     """The quiet room has no arm: what a service with one would answer to a plan, of a target's figures, and a PIN."""
-    planned = {"case_id": "", "made": {"plan": "p"}, "detail": dict(results.plan)}
+    planned = {"case_id": "", "made": {"plan": "p"}, "detail": dict(results.plan) | {"detectable_motion": _DETECTABLE}}
     approved = {"case_id": "", "made": {"permit": "p"}, "detail": {"life_s": _LIFE_S}}
     page.route(
         "**/plan-requested", lambda route: route.fulfill(json=planned | {"case_id": _case_in(route.request.url)})

@@ -17,15 +17,15 @@ export function Closing({ onDone, askPin }) {
   return html`<button class="button" onClick=${() => (onDone(), close(askPin))}>${t("closing.do")}</button>`;
 }
 
-async function close(/** @type {(title: string) => Promise<string|null>} */ askPin) {
+async function close(/** @type {(title: () => string) => Promise<string|null>} */ askPin) {
   /** @type {Record<string, string>} */
   const abandoned = {};
   for (const [name, state] of Object.entries(status.value.targets)) {
     if (state !== OPEN) continue;
-    const reason = await askReason(t("closing.abandon", { name }), ["not_needed", "not_reachable", "postponed"]);
+    const reason = await askReason(() => t("closing.abandon", { name }), ["not_needed", "not_reachable", "postponed"]);
     if (!reason) return;
     abandoned[name] = reason;
   }
-  const pin = await askPin(t("closing.sign"));
+  const pin = await askPin(() => t("closing.sign"));
   if (pin) await send("case_closed", { pin, abandoned });
 }

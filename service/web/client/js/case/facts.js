@@ -63,7 +63,7 @@ function Pause() {
   const { allowed, permitted } = allowance("hold_requested");
   if (!allowed || !permitted) return null;
   const pause = async () => {
-    const reason = await askReason(t("pause.why"), ["team_time_out", "check_patient", "equipment"]);
+    const reason = await askReason(() => t("pause.why"), ["team_time_out", "check_patient", "equipment"]);
     if (reason) await send("hold_requested", { reason });
   };
   return html`<button class="button" onClick=${pause}><i class="icon icon-pause"></i><span>${t("pause")}</span></button>`;
@@ -76,12 +76,12 @@ function More() {
   };
   const note = async () => {
     open.value = "";
-    const text = await askReason(t("note.title"), []);
+    const text = await askReason(() => t("note.title"), []);
     if (text) await tell("note", { text });
   };
   const abort = async () => {
     open.value = "";
-    const reason = await askReason(t("abort.why"), ["patient_condition", "equipment", "wrong_case"]);
+    const reason = await askReason(() => t("abort.why"), ["patient_condition", "equipment", "wrong_case"]);
     if (reason) await tell("case_aborted", { reason });
   };
   const may = (/** @type {string} */ permission) => session.value?.permissions.includes(permission);

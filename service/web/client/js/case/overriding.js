@@ -17,7 +17,7 @@ export function Override({ code, message, overridable }) {
   if (!overridable) return null;
   const given = overrides.value[code];
   const ask = async () => {
-    const reason = await askReason(t("override.why", { what: tOr(`code.${code}`, message) }), ["benefit", "seen_and_accepted"]);
+    const reason = await askReason(() => t("override.why", { what: tOr(`code.${code}`, message) }), ["benefit", "seen_and_accepted"]);
     if (reason) overrides.value = { ...overrides.value, [code]: reason };
   };
   return given

@@ -36,7 +36,7 @@ function Approach() {
   const [pose, setPose] = useState(/** @type {(number|null)[]} */ (POSE.map(() => null)));
   const enter = async (/** @type {number} */ place) => {
     const [name, unit] = POSE[place];
-    const value = await askNumber(t("motion.coordinate", { name, unit }), pose[place]);
+    const value = await askNumber(() => t("motion.coordinate", { name, unit }), pose[place]);
     if (value !== null) setPose(pose.map((known, index) => (index === place ? value : known)));
   };
   const [x, y, z] = (status.value.arm.base_from_tcp ?? []).map((/** @type {number[]} */ row) => number(row[3], 1));
@@ -56,7 +56,7 @@ function Approach() {
 function Retreat() {
   const [distance, setDistance] = useState(RETREAT_MM);
   const enter = async () => {
-    const value = await askNumber(t("motion.retreat_distance"), distance);
+    const value = await askNumber(() => t("motion.retreat_distance"), distance);
     if (value !== null) setDistance(value);
   };
   return html`

@@ -12,9 +12,10 @@ import { approve, dropMotion, endMotion, motion } from "./motion.js";
 export function MotionPanel() {
   const current = motion.value;
   if (!current) return null;
+  if (current.permitId) return html`<${Held} ...${current} />`;
   return html`
     <h3>${t(`motion.${current.kind}`)}</h3>
-    ${current.permitId ? html`<${PlanFigures} plan=${current.plan} /><${Held} ...${current} />` : html`<${PlanWords} plan=${current.plan} /><p class="note">${t("do_now.planned")}</p><${Approval} planned=${current} />`}
+    <${PlanWords} plan=${current.plan} /><p class="note">${t("do_now.planned")}</p><${Approval} planned=${current} />
   `;
 }
 
@@ -53,7 +54,7 @@ function PlanFigures({ plan }) {
 /** @param {{planned: import("./motion.js").Motion}} props */
 function Approval({ planned }) {
   const ask = async () => {
-    const pin = await askPin(t("pin.approve"));
+    const pin = await askPin(() => t("pin.approve"));
     if (pin !== null) await approve(planned, pin);
   };
   return html`
@@ -64,7 +65,7 @@ function Approval({ planned }) {
   `;
 }
 
-function Held(/** @type {any} */ { permitId, permitUntilMs, plan }) {
+function Held(/** @type {any} */ { kind, permitId, permitUntilMs, plan }) {
   const [leftS, setLeft] = useState(0);
   useEffect(() => {
     const look = () => setLeft(Math.max(0, Math.ceil((permitUntilMs - performance.now()) / 1000)));
@@ -74,10 +75,14 @@ function Held(/** @type {any} */ { permitId, permitUntilMs, plan }) {
   }, [permitUntilMs]);
   const planId = motion.value?.planId;
   const isUsed = events.value.some((event) => event.trigger === "move_started" && event.data.plan_id === planId);
+  // Above the button, where no small screen hides it; the line keeps its height, so that nothing moves under the finger.
   return html`
+    <div class="permit">
+      <div><h3>${t(`motion.${kind}`)}</h3>${!isUsed && html`<p class="permit-left" role="status">${leftS > 0 ? t("motion.permit_left", { s: leftS }) : t("motion.permit_over")}</p>`}</div>
+      ${!isUsed && html`<button class="button" onClick=${dropMotion}>${t("motion.drop")}</button>`}
+    </div>
+    <${PlanFigures} plan=${plan} />
     <${HoldButton} permitId=${permitId} lengthMm=${plan.length_mm} onEnded=${endMotion} />
-    ${!isUsed &&
-    html`<div class="permit"><p role="status">${leftS > 0 ? t("motion.permit_left", { s: leftS }) : t("motion.permit_over")}</p><button class="button" onClick=${dropMotion}>${t("motion.drop")}</button></div>`}
   `;
 }
 

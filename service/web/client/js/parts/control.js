@@ -20,6 +20,6 @@ export function TakeControl() {
 /** Taking from somebody asks why; taking what nobody holds need not be explained at length. */
 export async function takeControl() {
   const { lease } = status.value;
-  const reason = lease.held && !lease.yours ? await askReason(t("control.why"), ["handed_over", "absent", "tablet_failed"]) : t("control.begin");
+  const reason = lease.held && !lease.yours ? await askReason(() => t("control.why"), ["handed_over", "absent", "tablet_failed"]) : t("control.begin");
   if (reason) await send("lease_taken", { reason });
 }

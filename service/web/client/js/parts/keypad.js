@@ -2,24 +2,27 @@
 
 import { html, signal, useLayoutEffect, useRef, useState } from "../../vendor/preact.js";
 import { t } from "../words.js";
+import { useModal } from "./modal.js";
 
 /** The question asked now. @type {import("../../vendor/preact.js").Signal<any>} */
 const question = signal(null);
 const LONGEST_PIN = 12;
 const LONGEST_NUMBER = 10;
 
-/** @param {string} title @returns {Promise<string|null>} */
+/** What is asked, in the language of the moment. @typedef {() => string} Title */
+
+/** @param {Title} title @returns {Promise<string|null>} */
 export function askPin(title) {
   return ask({ kind: "pin", title });
 }
 
-/** @param {string} title @param {number|null} before @returns {Promise<number|null>} */
+/** @param {Title} title @param {number|null} before @returns {Promise<number|null>} */
 export async function askNumber(title, before) {
   const text = await ask({ kind: "number", title, before });
   return text === null ? null : Number(text.replace(",", "."));
 }
 
-/** @param {string} title @param {string[]} ready keys of reasons that are often given @returns {Promise<string|null>} */
+/** @param {Title} title @param {string[]} ready keys of reasons that are often given @returns {Promise<string|null>} */
 export function askReason(title, ready) {
   return ask({ kind: "reason", title, ready });
 }
@@ -43,12 +46,17 @@ export function withdrawQuestion() {
 
 export function Question() {
   const asked = question.value;
-  if (!asked) return null;
+  return asked && html`<${Sheet} key=${asked} asked=${asked} />`;
+}
+
+/** @param {any} props */
+function Sheet({ asked }) {
   const forms = { pin: Pin, number: NumberPad, reason: Reason };
+  const sheet = useModal();
   return html`<div class="sheet-back">
-    <div class="sheet" role="dialog" aria-modal="true" aria-label=${asked.title} onKeyDown=${(/** @type {KeyboardEvent} */ event) => event.key === "Escape" && asked.answer(null)}>
-      <div class="sheet-head"><h2>${asked.title}</h2><button class="button" onClick=${() => asked.answer(null)}>${t("cancel")}</button></div>
-      <${forms[/** @type {keyof typeof forms} */ (asked.kind)]} key=${asked} ...${asked} />
+    <div class="sheet" role="dialog" aria-modal="true" tabindex="-1" ref=${sheet} aria-label=${asked.title()} onKeyDown=${(/** @type {KeyboardEvent} */ event) => event.key === "Escape" && asked.answer(null)}>
+      <div class="sheet-head"><h2>${asked.title()}</h2><button class="button" onClick=${() => asked.answer(null)}>${t("cancel")}</button></div>
+      <${forms[/** @type {keyof typeof forms} */ (asked.kind)]} ...${asked} />
     </div>
   </div>`;
 }

@@ -18,17 +18,17 @@ export function Saying({ image, patient }) {
   if (image.purpose === null) return image.source.awaits_statement ? html`<${Whose} ...${{ image, patient }} />` : null;
   const isOfCase = image.case_id === status.value?.case_id && image.purpose !== "quarantined";
   const assign = async (/** @type {string} */ purpose) => {
-    const asks = isOfCase ? null : { title: t("assign.why", { patient }), ready: ["names_wrong", "names_nobody"] };
+    const asks = isOfCase ? null : { title: () => t("assign.why", { patient }), ready: ["names_wrong", "names_nobody"] };
     await assignTo(image.id, purpose, asks, isOfCase ? {} : { patient_id: patient });
   };
-  const withdraw = () => assignTo(image.id, "quarantined", { title: t("assign.why_not"), ready: ["wrong_case", "said_wrongly"] }, {});
+  const withdraw = () => assignTo(image.id, "quarantined", { title: () => t("assign.why_not"), ready: ["wrong_case", "said_wrongly"] }, {});
   return html`<div class="actions">
     ${SAYABLE.filter((purpose) => purpose !== image.purpose).map((purpose) => html`<button class="button" onClick=${() => assign(purpose)}>${t(`assign.${purpose}`)}</button>`)}
     ${SAYABLE.includes(image.purpose) && html`<button class="button" onClick=${withdraw}>${t("assign.withdraw")}</button>`}
   </div>`;
 }
 
-/** @param {string} imageId @param {string} purpose @param {{title: string, ready: string[]}|null} asks for a reason @param {object} more */
+/** @param {string} imageId @param {string} purpose @param {{title: () => string, ready: string[]}|null} asks for a reason @param {object} more */
 async function assignTo(imageId, purpose, asks, more) {
   const reason = asks ? await askReason(asks.title, asks.ready) : "";
   if (reason !== null) await tell("image_assigned", { image_id: imageId, purpose, reason, ...more });
@@ -40,7 +40,7 @@ function Whose({ image, patient }) {
   const view = status.value?.chain.view ?? null;
   const of = (/** @type {string} */ id, /** @type {object} */ shows) => tell("image_identity_stated", { image_id: image.id, patient_id: id, ...shows });
   const other = async () => {
-    const id = await askReason(t("whose.id"), []);
+    const id = await askReason(() => t("whose.id"), []);
     if (id) await of(id, {});
   };
   return html`<div class="actions">

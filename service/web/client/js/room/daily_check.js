@@ -85,7 +85,7 @@ function Item({ code, passed, measured, limit, unit, what_to_do: what }) {
   return html`<li class="checked-item ${passed ? "is-good" : "is-bad"}">
     <i class="icon icon-${passed ? "check" : "cross"}"></i>
     <b>${tOr(`check.${code}`, code)}</b>
-    <span>${plain(measured)} ${unit}</span><small>${code.endsWith(DATED) ? t("check.today", { day: limit }) : t("check.limit", { limit: `${plain(limit)} ${unit}` })}</small>
+    <span>${plain(measured)}${measured == null ? "" : ` ${unit}`}</span><small>${code.endsWith(DATED) ? t("check.today", { day: limit }) : t("check.limit", { limit: `${plain(limit)} ${unit}` })}</small>
     ${!passed && html`<p class="onwards">${tOr(`do.check_${code}`, what)}</p>`}
   </li>`;
 }

@@ -29,7 +29,7 @@ export function Held({ current }) {
       <${Row} name=${t("arm.connected")} value=${t(arm.connected ? "yes" : "no")} />
       <${Row} name=${t("arm.safety")} value=${tOr(`arm.${arm.safety}`, arm.safety ?? "–")} />
       <${Row} name=${t("arm.at_rest")} value=${arm.at_rest === null ? "–" : t(arm.at_rest ? "yes" : "no")} />
-      <${Row} name=${t("arm.age")} value=${number(arm.age_s, 2)} unit="s" />
+      <${Row} name=${t("arm.age")} value=${number(arm.age_s, 2)} unit=${arm.age_s == null ? "" : "s"} />
     <//>
   </div>`;
   return html`<${Screen} state="safe_hold" seen=${seen}>

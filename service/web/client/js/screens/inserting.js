@@ -11,7 +11,7 @@ import { Screen } from "./layout.js";
 /** @param {any} props */
 export function Inserting({ current }) {
   const cancel = async () => {
-    const reason = await askReason(t("insertion.cancel_why"), ["skin_moved", "not_passing", "another_first"]);
+    const reason = await askReason(() => t("insertion.cancel_why"), ["skin_moved", "not_passing", "another_first"]);
     if (reason) await tell("insertion_cancelled", { reason });
   };
   return html`<${Screen} state="inserting" seen=${html`<${LockedArm} current=${current} />`}>

@@ -8,7 +8,7 @@ import { t } from "../words.js";
 
 export function Retake() {
   const retake = async () => {
-    const reason = await askReason(t("retake.why"), ["blurred", "wrong_place", "something_moved"]);
+    const reason = await askReason(() => t("retake.why"), ["blurred", "wrong_place", "something_moved"]);
     if (reason) await send("retake", { reason });
   };
   return html`<${Other} trigger="retake" onPress=${retake}>${t("retake.do")}<//>`;

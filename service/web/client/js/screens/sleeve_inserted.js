@@ -14,7 +14,7 @@ export function SleeveInserted({ current }) {
   // What the status names as the way onwards comes first.
   const out = allowance("target_done").leads_onwards.includes("sleeve_removed");
   const giveUp = async () => {
-    const reason = await askReason(t("done.why_not"), ["not_passing", "wrong_place", "postponed"]);
+    const reason = await askReason(() => t("done.why_not"), ["not_passing", "wrong_place", "postponed"]);
     if (reason) await send("target_done", { placed: false, reason });
   };
   return html`<${Screen} state="sleeve_inserted" seen=${html`<${LockedArm} current=${current} />`}>

@@ -32,7 +32,7 @@ export function TargetChosen({ current, caseId }) {
 
 export function Withdraw() {
   const withdraw = async () => {
-    const reason = await askReason(t("withdraw.why"), ["wrong_place", "another_first", "not_reachable"]);
+    const reason = await askReason(() => t("withdraw.why"), ["wrong_place", "another_first", "not_reachable"]);
     if (reason) await send("target_withdrawn", { reason });
   };
   return html`<${Other} trigger="target_withdrawn" onPress=${withdraw}>${t("withdraw.do")}<//>`;

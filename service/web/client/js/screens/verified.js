@@ -23,14 +23,16 @@ export function Verified({ current, caseId }) {
   const after = measured?.data.image_id ?? null;
   const target = useTarget(caseId, current);
   const before = target?.image_id ?? current.chain.image;
-  return html`<${Screen} state=${current.state} lead="" seen=${html`<${Compare} ...${{ before, after, caseId, target }} />`}>
-    <${Verdict} state=${current.state} />
+  const passed = current.state === "verified";
+  return html`<${Screen} state=${current.state} title=${html`<${Verdict} passed=${passed} />`} lead="" seen=${html`<${Compare} ...${{ before, after, caseId, target }} />`}>
     ${evaluation && html`<${Errors} ...${evaluation} />`}
-    ${current.state === "verified"
-      ? html`<${Action} trigger="insertion_started" icon="lock" onPress=${insert}>${t("insertion.start")}<//><${Other} trigger="correction_requested" onPress=${correct}>${t("correction.do")}<//>`
+    ${passed
+      ? html`<${Action} trigger="insertion_started" icon="lock" onPress=${insert}>${t("insertion.start")}<//>`
       : html`<${Action} trigger="correction_requested" icon="arm" onPress=${correct}>${t("correction.do")}<//>`}
-    <div class="actions"><${Reject} /><${Withdraw} /></div>
-    <${Bringing} kinds=${["retreat"]} />
+    <div class="others">
+      ${passed && html`<${Other} trigger="correction_requested" onPress=${correct}>${t("correction.do")}<//>`}
+      <${Reject} /><${Withdraw} /><${Bringing} kinds=${["retreat"]} />
+    </div>
   <//>`;
 }
 
@@ -40,10 +42,10 @@ function useTarget(caseId, current) {
   return useArtefact(caseId, "targets", current.chain.target ?? made?.data.made?.target);
 }
 
-/** @param {{state: string}} props */
-function Verdict({ state }) {
-  const passed = state === "verified";
-  return html`<p class="verdict ${passed ? "is-passed" : "is-failed"}" role="status" aria-label=${t(`do_now.${state}`)}><i class="icon icon-${passed ? "check" : "cross"}"></i>${t(passed ? "verify.passed" : "verify.failed")}</p>`;
+/** @param {{passed: boolean}} props */
+function Verdict({ passed }) {
+  const words = t(`do_now.${passed ? "verified" : "off_target"}`);
+  return html`<span class="verdict ${passed ? "is-passed" : "is-failed"}" role="status" aria-label=${words}><i class="icon icon-${passed ? "check" : "cross"}"></i>${t(passed ? "verify.passed" : "verify.failed")}</span>`;
 }
 
 /** @param {any} evaluation */
@@ -75,18 +77,18 @@ export function addedUp(error, bound) {
 }
 
 async function insert() {
-  const pin = await askPin(t("pin.insert"));
+  const pin = await askPin(() => t("pin.insert"));
   if (pin) await send("insertion_started", { pin });
 }
 
 async function correct() {
-  const reason = await askReason(t("correction.why"), ["beyond_limits", "closer"]);
+  const reason = await askReason(() => t("correction.why"), ["beyond_limits", "closer"]);
   if (reason) await send("correction_requested", { reason });
 }
 
 function Reject() {
   const reject = async () => {
-    const reason = await askReason(t("reject.why"), ["not_believed", "something_moved"]);
+    const reason = await askReason(() => t("reject.why"), ["not_believed", "something_moved"]);
     if (reason) await send("verification_rejected", { reason });
   };
   return html`<${Other} trigger="verification_rejected" onPress=${reject}>${t("reject.do")}<//>`;
