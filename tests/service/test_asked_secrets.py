@@ -2,6 +2,7 @@
 
 import os
 import pty
+import signal
 import sys
 from pathlib import Path
 
@@ -16,6 +17,7 @@ def at_a_terminal(keys: list[tuple[bytes, bytes]], *arguments: str | Path) -> tu
     """The exit status and what was shown; each time a text has come the keys behind it are pressed."""
     child, terminal = pty.fork()
     if child == 0:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # whoever starts the tests in the background ignores it
         environment = {name: value for name, value in os.environ.items() if not name.startswith("COAXIAL_")}
         os.execve(_COAXIAL, [_COAXIAL, *map(str, arguments)], environment)
     shown, seen, awaited = b"", 0, list(keys)

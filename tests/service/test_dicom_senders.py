@@ -142,7 +142,7 @@ def test_a_disk_that_is_nearly_full_is_answered_with_failure_and_the_image_comes
 def test_a_database_that_another_process_holds_is_answered_with_failure_and_the_image_comes_later(
     room, files, database, monkeypatch
 ):
-    monkeypatch.setattr(engines, "_BUSY_S", 0.2)
+    monkeypatch.setattr(engines, "BUSY_S", 0.2)
     impatient = open_database(database.writer.url.render_as_string(hide_password=False))
     running, sent = room(at=impatient), files(0, 1)
     with database.write():
