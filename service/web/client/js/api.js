@@ -71,9 +71,19 @@ async function problemOf(response) {
   }
 }
 
+/** What an answer holds; one that breaks off, or is late amid its words, is none. @param {string} path @param {RequestInit} init @returns {Promise<any>} */
+async function read(path, init) {
+  const response = await answer(path, init);
+  try {
+    return await response.json();
+  } catch {
+    throw new Refused(NO_ANSWER);
+  }
+}
+
 /** @param {string} path @param {number} [withinMs] @returns {Promise<any>} */
 export async function get(path, withinMs = ANSWER_WITHIN_MS) {
-  return (await answer(path, { signal: AbortSignal.timeout(withinMs) })).json();
+  return read(path, { signal: AbortSignal.timeout(withinMs) });
 }
 
 /**
@@ -84,7 +94,7 @@ export async function get(path, withinMs = ANSWER_WITHIN_MS) {
  */
 export async function post(path, body = {}, headers = {}) {
   const init = { method: "POST", body: JSON.stringify(body), headers: { "Content-Type": "application/json", ...headers } };
-  return (await answer(path, init)).json();
+  return read(path, init);
 }
 
 /** A key for one intent; the same intent sent again carries the same key. */
