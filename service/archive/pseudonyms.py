@@ -33,7 +33,7 @@ class Pseudonyms:
     """Names that stand for others, made with a secret that only the workstation has."""
 
     def __init__(self, signer: Signer) -> None:
-        self._secret = bytes.fromhex(signer.sign("coaxial pseudonyms"))
+        self._secret = signer.secret("coaxial pseudonyms")
 
     def person(self, name: str) -> str:
         """For a patient."""

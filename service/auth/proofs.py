@@ -8,6 +8,7 @@ import sqlalchemy as sa
 from limits import RateLimitItemPerSecond
 from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
+from sqlalchemy.engine import Connection
 
 from service.audit import record_audit
 from service.auth.door import Door
@@ -77,11 +78,20 @@ class Proofs:
         query = sa.select(tables.lock_outs.c.until_s).where(tables.lock_outs.c.subject == subject)
         with self._database.read() as connection:
             until_s = connection.execute(query).scalar()
-        # One that would last twice as long as it should is from before the clock was put back (H23).
-        if until_s is not None and self._now_s() < until_s < self._now_s() + 2 * self._settings.lock_out_s:
-            raise ServiceError(
-                ErrorCode.LOCKED_OUT, "too many wrong answers; seconds left", measured=self._left(until_s)
-            )
+        if until_s is None or until_s <= self._now_s():
+            return
+        # One that would last twice as long as it should is from before the clock was put back (H23): it begins anew.
+        if until_s >= self._now_s() + 2 * self._settings.lock_out_s:
+            with self._database.write() as connection:
+                until_s = self._lock_out(connection, subject)
+        raise ServiceError(ErrorCode.LOCKED_OUT, "too many wrong answers; seconds left", measured=self._left(until_s))
+
+    def _lock_out(self, connection: Connection, subject: str) -> float:
+        """From now on, in the database, so that a restart does not open the door again; until when."""
+        until_s = self._now_s() + self._settings.lock_out_s
+        connection.execute(sa.delete(tables.lock_outs).where(tables.lock_outs.c.subject == subject))
+        connection.execute(sa.insert(tables.lock_outs).values(subject=subject, until_s=until_s))
+        return until_s
 
     def _left(self, until_s: float) -> float:
         return round(until_s - self._now_s(), 1)
@@ -91,9 +101,7 @@ class Proofs:
         locked = not self._limiter.test(self._allowance, subject)
         with self._database.write() as connection:
             record_audit(connection, "wrong_answer", user_id, {"subject": subject, "locked_out": locked})
-            if locked:  # in the database, so that a restart does not open the door again
-                connection.execute(sa.delete(tables.lock_outs).where(tables.lock_outs.c.subject == subject))
-                until_s = self._now_s() + self._settings.lock_out_s
-                connection.execute(sa.insert(tables.lock_outs).values(subject=subject, until_s=until_s))
+            if locked:
+                self._lock_out(connection, subject)
         if locked:
             self._limiter.clear(self._allowance, subject)

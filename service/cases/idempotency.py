@@ -42,11 +42,7 @@ def intent_of(signer: Signer, user_id: str, key: str, method: str, path: str, bo
     thousand (H27). The secret of this one is outside the database.
     """
     request = b"\0".join((method.encode(), path.encode(), body))
-    return Intent(user_id, key, hmac.digest(_secret(signer), request, hashlib.sha256).hex())
-
-
-def _secret(signer: Signer) -> bytes:
-    return bytes.fromhex(signer.sign("coaxial idempotency keys"))
+    return Intent(user_id, key, hmac.digest(signer.secret("coaxial idempotency keys"), request, hashlib.sha256).hex())
 
 
 def kept_answer(connection: Connection, intent: Intent) -> KeptAnswer | None:

@@ -16,6 +16,7 @@ from service.cases.idempotency import Intent, KeptAnswer, keep_answer, kept_answ
 from service.cases.opening import CaseToOpen, open_case
 from service.cases.preconditions import etag, intent
 from service.cases.records import StoredCase
+from service.database.tables import LARGEST_SEQUENCE
 from service.errors import ErrorCode
 from service.openapi import may_fail_with
 from service.parts import Parts, parts_of
@@ -24,7 +25,6 @@ router = APIRouter(tags=["cases"])
 Reader = Annotated[Session, Depends(require(Permission.READ))]
 AuditReader = Annotated[Session, Depends(require(Permission.READ_AUDIT))]
 PartsOfRoom = Annotated[Parts, Depends(parts_of)]
-LARGEST_SEQUENCE = 2**31 - 1
 _MOST_ATTEMPTS = 5000  # in one answer: many times what a case comes to
 _MOST_CASES = 1000
 

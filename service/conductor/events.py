@@ -15,9 +15,9 @@ from service.auth.dependencies import bearer_or_cookie, require
 from service.auth.permissions import Permission, allows
 from service.auth.session import SessionStatus
 from service.cases import store
-from service.cases.router import LARGEST_SEQUENCE
 from service.cases.server_sent import KEEP_ALIVE
 from service.conductor.route_errors import READING
+from service.database.tables import LARGEST_SEQUENCE
 from service.openapi import answers_with
 from service.parts import Parts, parts_of
 

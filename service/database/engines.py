@@ -17,7 +17,7 @@ from sqlalchemy.exc import DatabaseError, DataError, DBAPIError, OperationalErro
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 
 from service.database.json_text import to_text
-from service.database.postgresql import BUSY_S, expect_answers, postgresql_engine
+from service.database.postgresql import BUSY_S, NoAnswerError, expect_answers, postgresql_engine
 from service.database.turns import Turns
 from service.errors import ErrorCode, ServiceError
 from service.ledger.keys import Signer
@@ -170,6 +170,8 @@ def _fault(error: DBAPIError) -> ServiceError:
     text = str(error.orig)
     if "locked" in text or "busy" in text or isinstance(error.orig, LockNotAvailable):
         return ServiceError(ErrorCode.DATABASE_BUSY, "another writer held the database too long", limit=BUSY_S)
+    if isinstance(error.orig, NoAnswerError):
+        return ServiceError(ErrorCode.DATABASE_FAULT, f"the database server is silent ({text})")
     if "full" in text or "No space" in text:
         return ServiceError(ErrorCode.DISK_FULL, "the disk is full")
     # Before any statement it is about address, rights or file; later its text may quote what is recorded.

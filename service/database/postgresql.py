@@ -16,10 +16,14 @@ BUSY_S = 15.0
 """A turn to write is waited for so long, and a service waits so long for an answer."""
 
 _ABANDONED_S = 60.0  # what a write does between two statements takes far less
-# Three looks at a silent peer, 5 s apart; None of it is asked of a socket of the machine itself.
+# Three looks at a silent peer, 5 s apart; none of it is asked of a socket of the machine itself.
 _PEER = {"keepalives_idle": 5, "keepalives_interval": 5, "keepalives_count": 3, "tcp_user_timeout": 15_000}
 _CONNECT_S = 5
 _LOOK_S = 0.1
+
+
+class NoAnswerError(psycopg.OperationalError):
+    """The server did not answer in time."""
 
 
 class _Connection(psycopg.Connection[Any]):
@@ -31,17 +35,18 @@ class _Connection(psycopg.Connection[Any]):
         """As psycopg's; where the answer does not come in time, the connection is given up."""
         try:
             return super().wait(gen, interval, self.answer_within_s if timeout is None else timeout)
-        except psycopg.OperationalError:
-            if self.pgconn.transaction_status == TransactionStatus.ACTIVE:
-                self.close()  # whatever comes now belongs to no statement
-            raise
+        except psycopg.OperationalError as error:
+            if self.pgconn.transaction_status != TransactionStatus.ACTIVE:
+                raise
+            self.close()  # whatever comes now belongs to no statement
+            raise NoAnswerError(f"no answer within {self.answer_within_s} s") from error
 
 
 def postgresql_engine(address: sa.URL, *, writes: bool, options: dict[str, Any]) -> Engine:
     """An engine whose connections notice a peer that is gone, on both sides."""
     level = "READ COMMITTED" if writes else "REPEATABLE READ"
     connect_args = {"connect_timeout": _CONNECT_S, **_PEER}
-    engine = sa.create_engine(address, **options, isolation_level=level, connect_args=connect_args)
+    engine = sa.create_engine(address, **options, isolation_level=level, connect_args=connect_args, pool_timeout=BUSY_S)
 
     @sa.event.listens_for(engine, "do_connect")
     def connect(_dialect: Any, _record: Any, arguments: Any, named: Any) -> psycopg.Connection[Any]:

@@ -16,6 +16,9 @@ metadata = sa.MetaData(
     }
 )
 
+LARGEST_SEQUENCE = 2**31 - 1
+"""Of PostgreSQL's integers: a greater sequence number is none that a query can ask for."""
+
 # SQLite numbers rows by itself only in an INTEGER primary key.
 _RowNumber = BigInteger().with_variant(Integer, "sqlite")
 _OptionalJson = JSON(none_as_null=True)

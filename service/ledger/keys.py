@@ -61,6 +61,10 @@ class Signer:
         """The signature, hexadecimal."""
         return self.key.sign(text.encode()).hex()
 
+    def secret(self, purpose: str) -> bytes:
+        """A secret for one purpose, the same each time, that nobody has without the key."""
+        return self.key.sign(purpose.encode())
+
 
 def signing_key(file: Path) -> Signer:
     """The key in `file`, with its public half beside it; each is made where there is none.

@@ -12,6 +12,7 @@ from service.auth.dependencies import require
 from service.auth.permissions import Permission
 from service.auth.session import Session
 from service.database.clock import as_utc
+from service.database.tables import LARGEST_SEQUENCE
 from service.ledger.exports import MEDIA_TYPES, ExportFormat, export
 from service.ledger.listing import Wanted, page
 from service.openapi import answers_with
@@ -21,8 +22,7 @@ router = APIRouter(tags=["audit"])
 AuditReader = Annotated[Session, Depends(require(Permission.READ_AUDIT))]
 PartsOfRoom = Annotated[Parts, Depends(parts_of)]
 Word = Annotated[str | None, Query(max_length=128)]
-_LARGEST_SEQUENCE = 2**31 - 1
-After = Annotated[int, Query(ge=0, le=_LARGEST_SEQUENCE)]
+After = Annotated[int, Query(ge=0, le=LARGEST_SEQUENCE)]
 
 
 def wanted_entries(

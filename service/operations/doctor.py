@@ -21,7 +21,7 @@ from service.database.engines import Database, open_database
 from service.database.migrate import newest_version, version_of
 from service.devices.store import DeviceKind, list_devices
 from service.errors import ServiceError, answer_for
-from service.ledger.keys import signing_key
+from service.ledger.keys import kept_key
 from service.operations.doctor_network import arm, dicom, http, peers
 from service.settings import Settings
 
@@ -84,15 +84,15 @@ def _clock(_: Settings) -> Iterable[CheckItem]:
 
 
 def _key(settings: Settings) -> Iterable[CheckItem]:
-    if not settings.key_file.exists():
+    key = kept_key(settings.key_file) if settings.key_file.exists() else None  # or the folder is out of reach
+    if key is None:
         cure = (
             "Bring the room's own key back: another one vouches for no past. Where there was none, the start makes it."
         )
         yield item("signing_key", False, str(settings.key_file), "a key", "", cure)
         return
-    yield item(
-        "signing_key", True, signing_key(settings.key_file).verifier.name[:12], None, "", ""
-    )  # refused where others may read it
+    name = key.verifier.name[:12]  # a key that others may read has been refused
+    yield item("signing_key", True, name, None, "", "")
 
 
 def _anchor(settings: Settings) -> Iterable[CheckItem]:

@@ -5,7 +5,7 @@ import socket
 from collections.abc import Iterable
 
 import httpx
-from pynetdicom import AE, PYNETDICOM_UID_PREFIX
+from pynetdicom import PYNETDICOM_UID_PREFIX
 from pynetdicom.sop_class import Verification
 
 from robot.dashboard import DASHBOARD_PORT
@@ -74,14 +74,12 @@ def _echoes(peer: PeerSettings, calling: str) -> bool:
 
 def _is_a_receiver(receiver: DicomSettings) -> bool:
     """Whether what listens there speaks DICOM as a service's receiver does; a PACS answers an echo, too."""
-    entity = AE(ae_title=receiver.accepted_callers[0])
-    entity.add_requested_context(Verification)
-    entity.acse_timeout = entity.dimse_timeout = entity.network_timeout = entity.connection_timeout = _ASK_S
-    association = entity.associate(_asked(receiver.host), receiver.port, ae_title=receiver.ae_title)
-    if not association.is_established:
+    peer = PeerSettings(host=_asked(receiver.host), port=receiver.port, ae_title=receiver.ae_title)
+    try:
+        with association_with(peer, receiver.accepted_callers[0], [Verification], _ASK_S) as association:
+            told = association.acceptor.implementation_class_uid
+    except ServiceError:
         return False
-    told = association.acceptor.implementation_class_uid
-    association.release()
     return told is not None and told.startswith(PYNETDICOM_UID_PREFIX)
 
 

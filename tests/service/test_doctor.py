@@ -97,7 +97,7 @@ def test_a_folder_that_takes_no_file_and_a_key_out_of_reach_say_whose_they_shoul
         raise PermissionError(13, "Permission denied", str(file))
 
     monkeypatch.setattr("service.operations.doctor.os.access", lambda path, _: path != well.data_folder)
-    monkeypatch.setattr("service.operations.doctor.signing_key", closed)
+    monkeypatch.setattr("service.operations.doctor.kept_key", closed)
     failed = _failed(well)
     assert failed.keys() == {"data_folder_writable", "file_access"}
     assert all("service's user" in cure for cure in failed.values())

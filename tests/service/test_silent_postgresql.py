@@ -86,12 +86,12 @@ def opened():
         yield open_it
 
 
-def _refusal(within: Database, *, writes: bool) -> ErrorCode:
+def _refusal(within: Database, *, writes: bool) -> ServiceError:
     began_s = time.monotonic()
     with pytest.raises(ServiceError) as refused:
         _ask(within, writes=writes)
     assert time.monotonic() - began_s < _SOON_S
-    return refused.value.code
+    return refused.value
 
 
 def _ask(database: Database, *, writes: bool) -> int | None:
@@ -106,7 +106,8 @@ def test_a_server_that_answers_nothing_is_a_typed_fault_and_is_asked_anew(addres
     database.expect_answers(_PATIENCE_S)
     assert _ask(database, writes=writes) == 7
     relay.flows.clear()
-    assert _refusal(database, writes=writes) == ErrorCode.DATABASE_FAULT
+    refused = _refusal(database, writes=writes)
+    assert (refused.code, f"within {_PATIENCE_S} s" in str(refused)) == (ErrorCode.DATABASE_FAULT, True)
     relay.flows.set()
     assert _ask(database, writes=writes) == 7
 
@@ -115,7 +116,7 @@ def test_a_turn_that_another_room_keeps_is_not_waited_for_without_an_end(address
     monkeypatch.setattr(connections, "BUSY_S", _PATIENCE_S)
     one, other = opened(address), opened(address)
     with one.write():
-        assert _refusal(other, writes=True) == ErrorCode.DATABASE_BUSY
+        assert _refusal(other, writes=True).code == ErrorCode.DATABASE_BUSY
     assert _ask(other, writes=True) == 7
 
 

@@ -72,7 +72,7 @@ async function problemOf(response) {
 }
 
 /** What an answer holds; one that breaks off, or is late amid its words, is none. @param {string} path @param {RequestInit} init @returns {Promise<any>} */
-async function read(path, init) {
+export async function read(path, init) {
   const response = await answer(path, init);
   try {
     return await response.json();

@@ -1,7 +1,7 @@
 /** Planned paths out of a file of 3D Slicer: the service reads it, the form shows what it read. */
 
 import { html, useState } from "../../vendor/preact.js";
-import { answer, Refused } from "../api.js";
+import { read as readAnswer, Refused } from "../api.js";
 import { Told } from "../parts/told.js";
 import { t } from "../words.js";
 import { noteRefusal } from "./room.js";
@@ -19,7 +19,7 @@ export function SlicerPlan({ choose }) {
     setRead("");
     try {
       const init = { method: "POST", body: file, headers: { "Content-Type": "application/json" } };
-      const targets = await (await answer("/plans/markups", init)).json();
+      const targets = await readAnswer("/plans/markups", init);
       setRead(t("slicer.read", { file: file.name, n: targets.length }));
       choose(targets);
     } catch (refused) {
