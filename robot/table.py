@@ -44,7 +44,7 @@ def tables(file: Table, key: str) -> list[Table]:
 def refuse_unknown(table: Table, where: str, known: set[str]) -> None:
     """ValueError for a key that is not known: a misspelt one must not fall back to a default."""
     for unknown in sorted(set(table) - known):
-        raise ValueError(f"{where} {unknown} is unknown: a misspelt value must not fall back to its default")
+        raise ValueError(f"{where} {unknown} is unknown; known are {', '.join(sorted(known))}")
 
 
 def text(table: Table, key: str) -> str:

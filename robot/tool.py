@@ -49,6 +49,8 @@ class Tool:
     calibration_sd_rad: float
 
 
+_TOP = {"name", "version", "expires", "tcp", "payload", "tolerance", "calibration", "envelope"}
+
 # Plausible ranges (H09): a metre taken for a millimetre, or a radian for a degree, falls outside one of them.
 _TCP_MM = (20.0, 600.0)  # of the offset's length: the guide stands off the flange, within an arm's tool
 _TURN_DEG = (0.0, 360.0)  # of the rotation vector's length
@@ -79,6 +81,7 @@ def read_tool(data: bytes) -> Tool:
         With one line, on missing or implausible values (H09).
     """
     file = parse_table(data, "TCP calibration")
+    refuse_unknown(file, "the TCP calibration's", _TOP)
     tcp, payload = subtable(file, "tcp"), subtable(file, "payload")
     tolerance = _optional(file, "tolerance", _TOLERANCES)
     calibration = _optional(file, "calibration", _CALIBRATION, _CALIBRATION_RECORD)

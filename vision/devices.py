@@ -13,6 +13,9 @@ from typing import Annotated, Any, get_type_hints
 
 from vision.table import Table
 
+_RINGS_AND_LINE = {"small_ring", "big_ring", "axis", "indicator_line", "wire"}
+_GUIDE_KEYS = _RINGS_AND_LINE | {"name", "version", "expires", "bead", "tolerance"}
+_CARM_KEYS = {"name", "version", "expires", "geometry", "detector", "plate"}
 _LARGEST_VERSION = 1_000_000
 _LEAST_COORDINATE_MM = 1.0  # of the bead; a smaller one is either 0 or a slip of unit
 _GREATEST_COORDINATE_MM = 200.0
@@ -152,6 +155,7 @@ class CArm:
 def read_guide(data: bytes) -> Guide:
     """The guide described by a TOML file; ValueError with one clear line if anything is missing or implausible."""
     top = Table.from_toml(data, "guide file")
+    top.refuse_unknown(_GUIDE_KEYS)
     tolerance = top.table("tolerance")
     return Guide(
         name=top.text("name"),
@@ -182,6 +186,7 @@ def _bead(table: Table) -> Bead:
 def read_carm(data: bytes) -> CArm:
     """The C-arm described by a TOML file; ValueError with one clear line if anything is missing or implausible."""
     top = Table.from_toml(data, "C-arm file")
+    top.refuse_unknown(_CARM_KEYS)
     geometry, detector = top.table("geometry"), top.table("detector")
     return CArm(
         name=top.text("name"),

@@ -1,7 +1,7 @@
 """A table of values from outside (TOML or JSON) that knows where it stands, so that every complaint names the field."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -50,6 +50,11 @@ class Table:
     def table(self, key: str) -> Self:
         """A table inside this one."""
         return type(self).of(self.get(key), f"{self.where}: {key}")
+
+    def refuse_unknown(self, known: Set[str]) -> None:
+        """ValueError for a key that is not known: a misspelt one must not count as one that was left out (H10)."""
+        for unknown in sorted(self.values.keys() - known):
+            raise ValueError(f"{self.where}: {unknown} is unknown; known are {', '.join(sorted(known))}")
 
     def text(self, key: str) -> str:
         """A text that is neither blank nor too long, of characters that can be shown."""

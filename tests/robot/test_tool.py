@@ -66,11 +66,13 @@ def test_tolerances_and_expiry_may_be_left_out() -> None:
         ("[1.0, 0.0, 60.0]", "[1.0, 0.0, 60000.0]", "centre_mm"),
         ("tcp_mm = 0.1", "tcp_mm = 100.0", "tcp_mm"),
         ("tcp_mm = 0.1", "translation_mm = 0.1", "translation_mm"),  # misspelt, not left out
+        ("expires = 2030-01-31", "expire = 2020-01-31", "expire is unknown"),
+        ("[tolerance]", "[tolerances]", "tolerances is unknown"),
         ('version = "3"', "", "version"),
         ('version = "3"', "version = 3", "version"),
         ("expires = 2030-01-31", 'expires = "soon"', "expires"),
         ("[payload]", "[other]", "payload"),
-        ("[envelope]", "[other]", "radius_mm"),  # nobody would know how big the guide is (H12)
+        ("[envelope]", "[other]", "envelope"),  # nobody would know how big the guide is (H12)
         ("radius_mm = 34.0", "radius_mm = 0.034", "radius_mm"),
         ("below_mm = 62.0", "", "below_mm"),
         ("below_mm = 62.0", "belwo_mm = 62.0", "belwo_mm"),

@@ -115,6 +115,18 @@ def test_missing_tables_are_named(guide_toml: bytes, flat_panel_toml: bytes) -> 
         read_carm(flat_panel_toml.split(b"[detector]")[0])
 
 
+@pytest.mark.hazard("H10")
+@pytest.mark.parametrize("misspelt", [b"expire = 2020-01-01", b"Expires = 2020-01-01", b"beed = {}", b"plates = {}"])
+def test_a_misspelt_key_is_refused_and_the_known_ones_are_told(
+    guide_toml: bytes, intensifier_toml: bytes, misspelt: bytes
+) -> None:
+    """Of an optional key a slip would pass for one that was left out: an expiry that never comes."""
+    key = misspelt.split()[0].decode()
+    for read, content in [(read_guide, guide_toml), (read_carm, intensifier_toml)]:
+        with pytest.raises(ValueError, match=f": {key} is unknown; known are .*expires"):
+            read(content.replace(b"version = 1", b"version = 1\n" + misspelt))
+
+
 def test_guide_without_a_bead_is_legal_but_one_in_the_plane_of_symmetry_is_not(guide_toml: bytes) -> None:
     before, after = guide_toml.split(b"[bead]")
     assert read_guide(before + b"[tolerance]" + after.split(b"[tolerance]")[1]).bead is None
