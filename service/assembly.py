@@ -1,5 +1,6 @@
 """Makes the parts of one room's service at start, and takes them down in reverse."""
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial
@@ -24,7 +25,7 @@ async def assemble(settings: Settings, claim_reason: str | None = None) -> Async
     with current_database(settings) as database, room_claim(database, settings.room, claim_reason):
         database.expect_answers()
         arrivals = ImageArrivals()
-        users = UserStore(database)
+        users, sessions = UserStore(database), SessionStore(database, settings.session)
         vision = VisionWorker(settings.vision)
         check_room = partial(check_free_space, settings.data_folder, settings.min_free_bytes)
         with DicomReceiver(settings.dicom, database, arrivals, check_room).listening() as dicom_port:
@@ -32,7 +33,7 @@ async def assemble(settings: Settings, claim_reason: str | None = None) -> Async
                 yield Parts(
                     settings=settings,
                     database=database,
-                    sessions=SessionStore(database, settings.session),
+                    sessions=sessions,
                     proofs=Proofs(database, users, settings.session),
                     feed=EventFeed(database),
                     arrivals=arrivals,
@@ -41,3 +42,4 @@ async def assemble(settings: Settings, claim_reason: str | None = None) -> Async
                 )
             finally:
                 await vision.close()
+                await asyncio.to_thread(sessions.close)

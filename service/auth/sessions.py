@@ -10,18 +10,15 @@ from typing import Any
 from uuid import uuid4
 
 import sqlalchemy as sa
-import structlog
 
 from service.auth.permissions import Role
 from service.auth.session import Session, SessionStatus
 from service.auth.users import User
+from service.auth.uses import SessionUses
 from service.database import tables
 from service.database.clock import now_utc
 from service.database.engines import Database
-from service.errors import ServiceError
 from service.settings import SessionSettings
-
-_log = structlog.get_logger(__name__)
 
 # A session's last use is written at most this often: reading the status must not cost a disk write each time.
 _SEEN_STEP_S = 10.0
@@ -47,6 +44,7 @@ class SessionStore:
         self._database = database
         self._settings = settings
         self._now_s = now_s
+        self._uses = SessionUses(database)
         self._remembering = threading.Lock()
         with database.read() as connection:
             newest_first = list(self._worth_remembering(connection.execute(_NEWEST_FIRST)))
@@ -77,8 +75,8 @@ class SessionStore:
         if row is None:
             return None
         session = self._session(row)
-        if session.status is SessionStatus.ACTIVE and self._now_s() - row.last_seen_at_s > _SEEN_STEP_S:
-            self._note_use(session)
+        if session.status is SessionStatus.ACTIVE and self._now_s() - self._last_use_s(row) > _SEEN_STEP_S:
+            self._uses.note(session.id, self._now_s())
         return session
 
     def look(self, token: str) -> Session | None:
@@ -93,15 +91,13 @@ class SessionStore:
             self._forget(token)
         return row
 
-    def _note_use(self, session: Session) -> None:
-        try:
-            self._set(session.id, last_seen_at_s=self._now_s())
-        except ServiceError as error:  # a full disk or a busy writer must not sign anybody out
-            _log.warning("session_use_not_noted", code=error.code)
-
     def remembered(self, token: str) -> Session | None:
         """The session of a token from memory alone, its status unknown to it: enough for a stop."""
         return self._remembered.get(_digest(token))
+
+    def close(self) -> None:
+        """Write no more uses."""
+        self._uses.close()
 
     def lock(self, session: Session) -> None:
         """Lock until the PIN is entered."""
@@ -110,6 +106,7 @@ class SessionStore:
     def unlock(self, session: Session) -> Session:
         """Make a locked session active; the caller has checked the PIN."""
         self._set(session.id, locked_at=None, last_seen_at_s=self._now_s())
+        self._uses.forget(session.id)
         return replace(session, status=SessionStatus.ACTIVE)
 
     def revoke(self, token: str) -> None:
@@ -130,7 +127,9 @@ class SessionStore:
 
     def _forget(self, token: str) -> None:
         with self._remembering:
-            self._remembered.pop(_digest(token), None)
+            session = self._remembered.pop(_digest(token), None)
+        if session is not None:
+            self._uses.forget(session.id)
 
     def _worth_remembering(self, newest_first: Iterable[sa.Row[Any]]) -> Iterator[tuple[str, Session]]:
         for number, row in enumerate(newest_first):
@@ -149,11 +148,14 @@ class SessionStore:
         now_s = self._now_s()
         if now_s >= row.expires_at_s:
             return SessionStatus.EXPIRED
-        pause_s = now_s - row.last_seen_at_s
+        pause_s = now_s - self._last_use_s(row)
         # H23: a use that is yet to come was before the clock was put back.
         if row.locked_at is not None or not -_PUT_BACK_S <= pause_s <= self._settings.idle_lock_s:
             return SessionStatus.LOCKED
         return SessionStatus.ACTIVE
+
+    def _last_use_s(self, row: sa.Row[Any]) -> float:
+        return self._uses.newest_s(row.id, row.last_seen_at_s)
 
 
 def _digest(token: str) -> str:

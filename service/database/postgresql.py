@@ -46,7 +46,8 @@ def postgresql_engine(address: sa.URL, *, writes: bool, options: dict[str, Any])
     """An engine whose connections notice a peer that is gone, on both sides."""
     level = "READ COMMITTED" if writes else "REPEATABLE READ"
     connect_args = {"connect_timeout": _CONNECT_S, **_PEER}
-    engine = sa.create_engine(address, **options, isolation_level=level, connect_args=connect_args, pool_timeout=BUSY_S)
+    options = {"pool_timeout": BUSY_S, "isolation_level": level, **options}
+    engine = sa.create_engine(address, **options, connect_args=connect_args)
 
     @sa.event.listens_for(engine, "do_connect")
     def connect(_dialect: Any, _record: Any, arguments: Any, named: Any) -> psycopg.Connection[Any]:

@@ -8,6 +8,7 @@ import pytest
 
 from service.auth.permissions import Role
 from service.auth.users import UserStore
+from service.auth.uses import SessionUses
 from service.cases import store
 from service.cases.records import NewCase, NewEvent
 from service.conductor import events
@@ -75,7 +76,7 @@ def test_the_stream_of_a_user_who_is_disabled_ends(running, case, users):
 
 def test_a_stream_does_not_keep_its_session_from_locking(running, case, users, monkeypatch):
     noted = []
-    monkeypatch.setattr(running.parts.sessions, "_note_use", noted.append, raising=False)
+    monkeypatch.setattr(SessionUses, "note", lambda _uses, session_id, _at_s: noted.append(session_id))
     monkeypatch.setattr("service.auth.sessions._SEEN_STEP_S", -1.0)  # every use is noted
     with _lines(running, case, running.tokens[Role.SURGEON]) as lines:
         next(lines)

@@ -21,6 +21,7 @@ from service.database import tables
 from service.database.engines import Database
 from service.errors import ErrorCode, ServiceError
 from service.settings import SessionSettings
+from tests.waiting import until
 
 _RULES = SessionSettings(lifetime_s=1000, idle_lock_s=100, wrong_answers=3, lock_out_s=60)
 
@@ -249,6 +250,18 @@ def test_a_full_disk_signs_nobody_out(database, sessions, anna, clock, monkeypat
 
     monkeypatch.setattr(Database, "write", full)
     assert sessions.find(token) == session
+    sessions.close()
+
+
+def test_a_use_counts_at_once_and_waits_for_no_other_writer(database, sessions, anna, clock):
+    token, session = sessions.create(anna)
+    with database.write():  # as a backup holds the turn, or another room
+        for _ in range(3):
+            clock.now_s += 60
+            assert sessions.find(token) == session
+    restarted = SessionStore(database, _RULES, clock)
+    until(lambda: restarted.find(token) == session)  # written by now, by who noted it
+    sessions.close()
 
 
 def test_locked_and_expired_sessions_are_remembered_for_the_stop_and_revoked_ones_are_not(sessions, anna, clock):
