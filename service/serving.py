@@ -28,7 +28,7 @@ class _Server(uvicorn.Server):
             raise ServiceError(ErrorCode.SETTINGS_REFUSED, message) from error
         if self.started:
             host, port = self.servers[0].sockets[0].getsockname()[:2]
-            print(f"Coaxial listens on http://{host}:{port}", flush=True)
+            print(f"Coaxial listens on http://{f'[{host}]' if ':' in host else host}:{port}", flush=True)
 
 
 def run(settings: Settings, claim_reason: str | None = None) -> None:

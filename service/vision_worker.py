@@ -24,6 +24,8 @@ Json = dict[str, Any]
 Matrix = list[list[float]]
 
 STARTING = "vision_starting"
+# Pictures for screens that take turns here, in memory: however many are asked for, a registration waits for few.
+_SHOWN_AT_ONCE = 2
 
 # A spawned process shares neither locks nor the guard's pipe with the service; a forked one would.
 _SPAWN = multiprocessing.get_context("spawn")
@@ -36,6 +38,7 @@ class VisionWorker:
         self._settings = settings
         self._jobs_module = jobs_module
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="vision-worker")
+        self.turns_to_show = asyncio.Semaphore(_SHOWN_AT_ONCE)
         self._process: SpawnProcess | None = None
         self._pipe: Connection | None = None
         self._why_down: str | None = None

@@ -47,8 +47,10 @@ def check_lease(lease: Lease | None, session: Session, fencing_token: int | None
     """The case's lease, if this session holds it with its newest token; ServiceError LEASE_MISSING or LEASE_LOST."""
     if lease is None or fencing_token is None:
         raise ServiceError(ErrorCode.LEASE_MISSING, "this request needs the control lease")
-    if lease.session_id != session.id or lease.fencing_token != fencing_token:
+    if lease.fencing_token != fencing_token:
         raise ServiceError(
-            ErrorCode.LEASE_LOST, "control is held elsewhere", measured=fencing_token, limit=lease.fencing_token
+            ErrorCode.LEASE_LOST, "control was taken since", measured=fencing_token, limit=lease.fencing_token
         )
+    if lease.session_id != session.id:
+        raise ServiceError(ErrorCode.LEASE_LOST, "control is held elsewhere")
     return lease

@@ -66,13 +66,13 @@ def restore(
     data_folder: DataFolderOption = None,
 ) -> None:
     """Bring a backup into an empty database; then `coaxial audit verify` says what is missing since."""
-    from service.database.backup import check_backup_present
+    from service.database.backup import check_backup
     from service.database.backup import restore as bring_back
     from service.database.current import make_data_folder
     from service.database.engines import open_database
 
     with site_settings(config, data_folder) as settings:
-        check_backup_present(file)
+        check_backup(file, settings.database_url)
         make_data_folder(settings)
         database = open_database(settings.database_url)
         try:

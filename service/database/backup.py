@@ -7,8 +7,8 @@ import os
 import shutil
 import sqlite3
 import subprocess
-from collections.abc import Sequence
-from contextlib import closing
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import sqlalchemy as sa
@@ -36,10 +36,13 @@ def back_up(database: Database, file: Path) -> None:
         raise _refused(f"{file} cannot be written ({error.strerror})") from error
 
 
-def check_backup_present(file: Path) -> None:
-    """ServiceError BACKUP_REFUSED where there is no such file: asked before a database is opened, which makes it."""
+def check_backup(file: Path, database_url: str) -> None:
+    """ServiceError BACKUP_REFUSED where the file is no backup: asked before a database is opened, which makes it."""
     if not file.is_file():
         raise _refused(f"there is no file {file}")
+    if sa.make_url(database_url).get_backend_name() == "sqlite":
+        with _whole_backup(file):
+            return
 
 
 def restore(database: Database, file: Path) -> None:
@@ -63,11 +66,16 @@ def _is_sqlite(database: Database) -> bool:
 
 
 def _copy(source: Path, target: Path) -> None:
+    with _whole_backup(source) as here, closing(sqlite3.connect(target)) as there:
+        here.backup(there)
+
+
+@contextmanager
+def _whole_backup(source: Path) -> Iterator[sqlite3.Connection]:
     try:
         with closing(sqlite3.connect(f"{source.absolute().as_uri()}?mode=ro", uri=True)) as here:
             _check_whole(here, source)
-            with closing(sqlite3.connect(target)) as there:
-                here.backup(there)
+            yield here
     except sqlite3.Error as error:
         raise _refused(f"{source} cannot be copied: {error}") from error
 

@@ -33,8 +33,9 @@ async def read_pixels(image_id: str, parts: Annotated[Parts, Depends(parts_of)])
 
     Decoded by the image worker, as everything that arrived from outside.
     """
-    original = await asyncio.to_thread(_original, parts, image_id)
-    decoded = await parts.vision.run("pixels", original)
+    async with parts.vision.turns_to_show:
+        original = await asyncio.to_thread(_original, parts, image_id)
+        decoded = await parts.vision.run("pixels", original)
     if decoded["status"] == "refused":
         raise ServiceError(ErrorCode.NOT_AN_IMAGE, decoded["reason"]["message"])
     headers = {f"Image-{name}": str(decoded[name.lower()]) for name in ("Rows", "Columns", "Bits")}

@@ -80,6 +80,7 @@ class DicomReceiver:
             (evt.EVT_C_STORE, self._on_store),
             (evt.EVT_DATA_RECV, self._on_data),
             (evt.EVT_REJECTED, self._on_rejected),
+            (evt.EVT_ABORTED, self._on_aborted),
         ]
         try:
             server: DicomPort = entity.make_server(address, evt_handlers=handlers, server_class=DicomPort)
@@ -103,6 +104,13 @@ class DicomReceiver:
         caller = event.assoc.requestor
         _log.warning(
             "dicom_caller_refused", calling_ae=caller.ae_title, address=caller.address, what_to_do=_TO_NAME_CALLERS
+        )
+
+    def _on_aborted(self, event: Any) -> None:
+        """Whoever looks for an image that did not arrive finds here that it was never sent whole."""
+        caller, received = event.assoc.requestor, getattr(event.assoc, "coaxial_bytes", 0)
+        _log.warning(
+            "dicom_broken_off", calling_ae=caller.ae_title, address=caller.address, bytes_since_last_image=received
         )
 
     def _on_store(self, event: Any) -> Dataset:

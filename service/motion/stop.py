@@ -75,14 +75,16 @@ async def _recorded(conductor: Conductor, session: Session, case_id: str | None,
 
 
 async def _record(conductor: Conductor, session: Session, case_id: str | None, data: dict[str, bool]) -> Taken | None:
-    """Record the stop, again and again until it is in."""
+    """Record the stop, again and again until it is in; what keeps it out is told when it changes."""
+    told = None
     try:
         while True:
             try:
                 return await asyncio.to_thread(_write, conductor, session, case_id, data)
             except ServiceError as error:
-                _log.error("stop_not_recorded", code=error.code)
-                case_id = None if error.code in _UNRECORDABLE else case_id
+                if error.code != told:
+                    _log.error("stop_not_recorded", code=error.code)
+                told, case_id = error.code, None if error.code in _UNRECORDABLE else case_id
             await asyncio.sleep(_AGAIN_S)
     finally:
         conductor.bridge.stop_recorded()

@@ -12,6 +12,7 @@ from prometheus_client.registry import Collector
 from service.conductor.conductor import Conductor
 from service.errors import ErrorCode, ServiceError
 from service.operations.health import free_bytes
+from service.pacs.outbox import count_undelivered
 from service.parts import Parts
 from workflow.states import State
 
@@ -49,13 +50,15 @@ class _Room(Collector):
 
     def describe(self) -> Iterator[Metric]:
         """The families, without reading anything."""
-        yield from (_states(None), _guard_age(None), _free(None))
+        yield from (_states(None), _undelivered(None), _guard_age(None), _free(None))
 
     def collect(self) -> Iterator[Metric]:
         """The same, read; what cannot be read is left out."""
         try:
             case_id = self._conductor.open_case()
             yield _states(None if case_id is None else self._conductor.case_of(case_id).state)
+            with self._conductor.parts.database.read() as connection:
+                yield _undelivered(count_undelivered(connection))
         except ServiceError as error:
             _log.error("metrics_incomplete", code=error.code)
         yield _guard_age(self._conductor.bridge.guard_age_s)
@@ -67,6 +70,13 @@ def _states(state: State | None) -> Metric:
     family = GaugeMetricFamily("coaxial_case_state", "State of the room's open case.", labels=["state"])
     for one in State:
         family.add_metric([one.value], float(one is state))
+    return family
+
+
+def _undelivered(count: int | None) -> Metric:
+    family = GaugeMetricFamily("coaxial_undelivered_objects", "Objects of closed cases that no archive accepted yet.")
+    if count is not None:
+        family.add_metric([], float(count))
     return family
 
 

@@ -75,10 +75,10 @@ def send_waiting(parts: Parts) -> None:
         for queued in waiting:
             with parts.database.read() as connection:
                 content = outbox.content_of(connection, queued)
-            accepted, answer = store(association, content)
+            stored = store(association, content)
             with parts.database.write() as connection:
-                outbox.record_delivery(connection, queued, answer, accepted=accepted)
-            _log.info("object_sent", object_id=queued.id, accepted=accepted, answer=answer)
+                outbox.record_delivery(connection, queued, stored.words, accepted=stored.accepted)
+            _log.info("object_sent", object_id=queued.id, accepted=stored.accepted, status=stored.status)
 
 
 def _to_prepare(parts: Parts) -> list[str]:

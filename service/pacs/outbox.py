@@ -63,6 +63,13 @@ def undelivered(connection: Connection) -> list[QueuedObject]:
     return [one for one in _objects(connection, None) if not one.delivered]
 
 
+def count_undelivered(connection: Connection) -> int:
+    """How many no archive has accepted yet."""
+    outgoing, deliveries = tables.outgoing_objects, tables.deliveries
+    accepted = sa.exists().where(deliveries.c.object_id == outgoing.c.id, deliveries.c.accepted)
+    return connection.scalar(sa.select(sa.func.count()).select_from(outgoing).where(~accepted)) or 0
+
+
 def objects_of(connection: Connection, case_id: str) -> list[QueuedObject]:
     """A case's objects with what became of them."""
     return _objects(connection, case_id)

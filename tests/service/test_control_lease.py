@@ -76,3 +76,12 @@ def test_tokens_taken_at_once_are_all_different(database, holders):
     assert sorted(tokens) == list(range(1, 17))
     with database.read() as connection:
         assert lease_of(connection, "case-1").fencing_token == 16
+
+
+def test_a_refusal_shows_no_figures_that_would_pass(database, holders):
+    """The newest token in another hand: the tokens are not what differs."""
+    with database.write() as connection:
+        lease = take_lease(connection, "case-1", holders[0], "start")
+    with pytest.raises(ServiceError) as refused:
+        check_lease(lease, holders[1], lease.fencing_token)
+    assert (refused.value.measured, refused.value.limit) == (None, None)

@@ -110,6 +110,7 @@ def test_a_damaged_backup_leaves_the_database_empty(run, databases, address, tmp
     with databases.empty(other) as empty:
         refused = run(empty, "restore", str(backup))
         assert (refused.exit_code, refused.stderr.split(":")[0]) == (3, ErrorCode.BACKUP_REFUSED)
+        assert not list(other.iterdir()), "what is no backup leaves no database behind"
         with closing(open_database(empty)) as database, database.read() as connection:
             assert sa.inspect(connection).get_table_names() == []
 

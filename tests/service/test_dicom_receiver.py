@@ -25,6 +25,7 @@ from service.images import store
 from service.images.arrivals import ImageArrivals
 from service.images.receiver import DicomReceiver
 from service.settings import DicomSettings
+from tests.waiting import until
 
 _MAX_BYTES = 300_000
 
@@ -217,6 +218,17 @@ def test_where_no_caller_is_named_nobody_comes_in_and_the_log_says_what_to_set(r
     for caller in ("CARM", "ANY-SCP"):
         assert "Calling AE Title Not Recognized" in room.send(make_xray(), calling=caller).stderr
     assert room.images() == []
+
+
+def test_a_sender_that_breaks_off_is_told_of_in_the_log(receive, log):
+    room = receive()
+    entity = AE("CARM")
+    entity.add_requested_context(XRayAngiographicImageStorage, "1.2.840.10008.1.2.1")
+    for break_off in (lambda association: association.abort(), lambda association: association.dul.socket.close()):
+        log.clear()
+        break_off(entity.associate("127.0.0.1", room.port))
+        until(lambda: [entry["event"] for entry in log] == ["dicom_broken_off"])
+        assert log[0]["calling_ae"] == "CARM"
 
 
 @pytest.mark.hazard("H31")

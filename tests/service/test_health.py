@@ -104,6 +104,7 @@ def test_metrics_tell_the_state_the_decisions_and_each_verdict_and_no_patient(me
     assert _sample(text, 'coaxial_case_state{state="moving"}') == 0.0
     assert _sample(text, 'coaxial_decisions_total{answer="interlock",trigger="carm_position_confirmed"}') >= 1.0
     assert _sample(text, 'coaxial_verdicts_total{hazard="H04",interlock="at_rest",verdict="refused"}') >= 1.0
+    assert _sample(text, "coaxial_undelivered_objects") == 0.0
     assert _sample(text, "coaxial_free_bytes") > 0.0
     assert "P-secret" not in text
     assert case_id not in text

@@ -1,14 +1,20 @@
 """What a screen shows of an image: every bit of its pixels, and the lines over them in its own raw pixels."""
 
+import asyncio
 import io
+from types import SimpleNamespace
 
 import numpy as np
+from fastapi import Response
 from PIL import Image
 
 from service import vision_jobs
 from service.auth.permissions import Permission
 from service.conductor.command_permissions import command_permissions
 from service.conductor.routers import CONDUCTOR_ROUTERS
+from service.images import pixels
+from service.settings import VisionSettings
+from service.vision_worker import VisionWorker
 from workflow.triggers import REQUESTS, Trigger
 
 # Asked for otherwise than by a route of its own name: a held button, and reading.
@@ -39,6 +45,27 @@ def test_eight_bits_stay_eight():
 def test_what_is_no_image_is_refused():
     assert vision_jobs.pixels(b"no image")["status"] == "refused"
     assert vision_jobs.overlay(b"no image", {}, [])["status"] == "refused"
+
+
+def test_however_many_pictures_are_asked_for_a_registration_waits_for_few(monkeypatch):
+    under_way, most = 0, 0
+
+    async def decode(*_asked: object) -> dict:
+        nonlocal under_way, most
+        under_way, most = under_way + 1, max(most, under_way + 1)
+        await asyncio.sleep(0.0)
+        under_way -= 1
+        return {"status": "ok", "rows": 1, "columns": 1, "bits": 8, "pixels": b"\0\0"}
+
+    async def ask_for_many() -> list[Response]:
+        vision = VisionWorker(VisionSettings())
+        monkeypatch.setattr(vision, "run", decode)
+        parts = SimpleNamespace(vision=vision)
+        return await asyncio.gather(*(pixels.read_pixels("image", parts) for _ in range(50)))
+
+    monkeypatch.setattr(pixels, "_original", lambda _parts, _image_id: b"")
+    assert len(asyncio.run(ask_for_many())) == 50
+    assert 1 <= most <= 2
 
 
 def test_every_request_tells_which_permission_it_asks_for():

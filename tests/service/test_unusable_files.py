@@ -40,7 +40,7 @@ def run(tmp_path, monkeypatch):
     [
         ("audit list --data-folder file", "database_missing"),
         ("db upgrade --data-folder file/below", "settings_refused"),
-        ("db restore file --data-folder file", "settings_refused"),
+        ("db restore file --data-folder file", "backup_refused"),
         ("audit key --data-folder file", "key_missing"),
         ("audit key --new --data-folder file", "key_refused"),
         ("audit verify --data-folder folder", "database_missing"),
@@ -80,8 +80,9 @@ def test_a_mistyped_folder_is_refused_and_gets_no_database(run, tmp_path, comman
     assert not (tmp_path / "fodler").exists()
 
 
-def test_restoring_from_no_file_makes_no_database_that_passes_for_the_room_s(run, tmp_path):
-    refused = run("db", "restore", "none", "--data-folder", "room")
+@pytest.mark.parametrize("given", ["none", "file"])
+def test_restoring_from_no_backup_makes_no_database_that_passes_for_the_room_s(run, tmp_path, given):
+    refused = run("db", "restore", given, "--data-folder", "room")
     assert (refused.exit_code, refused.stderr.split(":")[0]) == (3, "backup_refused")
     assert not (tmp_path / "room").exists()
 

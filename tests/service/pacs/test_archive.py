@@ -4,10 +4,13 @@ import json
 import subprocess
 from contextlib import closing, contextmanager
 from io import BytesIO
+from types import SimpleNamespace
 
 import httpx
 import pytest
-from pydicom import dcmread
+from pydicom import Dataset, dcmread
+from pynetdicom import AE, evt
+from structlog.testing import capture_logs
 
 from service.archive.contents import IMPORTED
 from service.audit import record_audit
@@ -163,6 +166,36 @@ def test_what_is_made_again_is_the_same_object_and_what_repeats_is_no_news(datab
         (sent,) = outbox.objects_of(connection, _CASE)
         answers = connection.exec_driver_sql("SELECT answer FROM deliveries ORDER BY id").scalars().all()
     assert (sent.delivered, answers) == (True, ["no answer", "status 0x0000"])
+
+
+def test_the_words_of_an_archive_are_recorded_and_not_logged(
+    database, surgeon, add_case_that_is_over, make_xray, tmp_path
+):
+    """It may have named the patient in them."""
+    add_case_that_is_over(database, surgeon)
+    image = make_xray()
+    sop_class, uid = dcmread(BytesIO(image)).SOPClassUID, dcmread(BytesIO(image)).SOPInstanceUID
+    with database.write() as connection:
+        outbox.queue(connection, _CASE, [outbox.DerivedObject("annotated_image", sop_class, uid, image)])
+    with _refusing(sop_class, "no room for Doe^Jane") as port, capture_logs() as log:
+        send_waiting(SimpleNamespace(settings=_settings(tmp_path, "sqlite:///unused", port), database=database))
+    with database.read() as connection:
+        assert [one.answer for one in outbox.objects_of(connection, _CASE)] == ["status 0xA700 no room for Doe^Jane"]
+        assert outbox.count_undelivered(connection) == 1
+    (told,) = (entry for entry in log if entry["event"] == "object_sent")
+    assert (told["accepted"], told["status"]) == (False, "status 0xA700")
+    assert "Doe" not in str(log)
+
+
+@contextmanager
+def _refusing(sop_class: str, comment: str):
+    answer = Dataset()
+    answer.Status, answer.ErrorComment = 0xA700, comment
+    entity = AE("PACS")
+    entity.add_supported_context(sop_class)
+    server = entity.start_server(("127.0.0.1", 0), block=False, evt_handlers=[(evt.EVT_C_STORE, lambda _event: answer)])
+    yield server.socket.getsockname()[1]
+    server.shutdown()
 
 
 def test_only_the_rooms_own_cases_that_are_over_are_sent(database, surgeon, add_case_that_is_over):
