@@ -95,3 +95,22 @@ def test_the_keyboard_stays_in_a_question_with_stop_and_the_title_follows_the_la
     assert ".stop" in reached
     page.evaluate("import('/js/words.js').then(({ speak }) => speak('de'))")
     page.get_by_role("heading", name="Ihre PIN beginnt die Einführung").wait_for()
+
+
+def test_what_is_refused_before_it_came_to_its_interlocks_shows_none_of_them(allowed_at):
+    tablet = allowed_at(State.CASE_OPEN)
+    page = tablet.page
+    failed = {"code": "at_rest", "hazard": "H04", "message": "m", "passed": False, "measured": None, "limit": None}
+    told = {
+        "code": "missing",
+        "trigger": "carm_position_confirmed",
+        "verdicts": [failed],
+        "detail": "",
+        "what_to_do": "",
+    }
+    page.route("**/carm-position-confirmed", lambda route: route.fulfill(status=409, json=told))
+    page.locator(".button.is-primary:not([disabled])").click()
+    banner = page.locator(".banner.is-refusal")
+    banner.wait_for()
+    assert banner.locator("li").count() == 0
+    assert "Not now" not in banner.inner_text()

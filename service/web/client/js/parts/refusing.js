@@ -37,7 +37,9 @@ export function Why({ code, message, measured, limit, unit, children }) {
 export function RefusalBanner() {
   const told = refusal.value;
   if (!told) return null;
-  const failed = (told.verdicts ?? []).filter((/** @type {any} */ verdict) => !verdict.passed);
+  // Of a request that does not come to its interlocks they say nothing: what they measure is not there yet.
+  const verdicts = told.code === "interlock" ? (told.verdicts ?? []) : [];
+  const failed = verdicts.filter((/** @type {any} */ verdict) => !verdict.passed);
   return html`<div class="banner is-refusal" role="alert">
     <div>
       <p class="title">${failed.length > 0 ? t("refused.not_now", { what: t(`trigger.${told.trigger}`) }) : tOr(`code.${told.code}`, told.detail)}</p>
