@@ -28,12 +28,15 @@ from service.settings import Settings
 _ASK_S = 5.0
 # A record is dated when its transaction begins; another writer's clock may be this much ahead.
 _CLOCK_APART_S = 5.0
+# Secrets that commands and docker-compose.yml ask for are no settings.
+_NAMES = {*Settings.model_fields, "password", "pin", "database_password"}
 _AS_ITS_OWNER = "Run this as the service's user, and give the data folder with all in it to that user"
 
 
 def examine(settings: Settings) -> list[CheckItem]:
     """Every item, in the order in which a service needs them."""
     looks: tuple[Callable[[Settings], Iterable[CheckItem]], ...] = (
+        _environment,
         _disk,
         _clock,
         _key,
@@ -57,6 +60,15 @@ def _typed(look: Callable[[Settings], Iterable[CheckItem]], settings: Settings) 
     except OSError as error:
         told = f"{error.filename}: {error.strerror}"
         yield item("file_access", False, told, "readable", "", f"{_AS_ITS_OWNER}.")
+
+
+def _environment(_: Settings) -> Iterable[CheckItem]:
+    """Variables that look like settings and are none; in a settings file they would be refused."""
+    cure = "Correct the variable's name, or take it away: what it was to set has its default."
+    for name in sorted(os.environ):
+        prefix, _mark, setting = name.lower().partition("_")
+        if prefix == "coaxial" and setting.partition("__")[0] not in _NAMES:
+            yield item("environment", False, name, "a setting's name", "", cure)
 
 
 def _disk(settings: Settings) -> Iterable[CheckItem]:

@@ -88,6 +88,15 @@ def test_what_is_wrong_is_named_and_says_what_to_do(well, spoil: Callable[[Setti
     assert failed[code].endswith(".")
 
 
+def test_a_variable_that_sets_nothing_is_named_and_its_value_is_not(well, monkeypatch):
+    for name in ("COAXIAL_MIN_FREE_BYTES", "COAXIAL_HTTP__PORT", "COAXIAL_PIN", "COAXIALLY"):
+        monkeypatch.setenv(name, "1")
+    assert _failed(well) == {}
+    monkeypatch.setenv("COAXIAL_DATABASE_URI", "postgresql://coaxial:secret@db/coaxial")
+    assert _failed(well).keys() == {"environment"}
+    assert "secret" not in str(examine(well))
+
+
 def test_an_anchor_on_another_disk_passes(well):
     assert _failed(_changed(well, audit=AuditSettings(anchor_file=Path("/proc/away/head.json")))) == {}
 
