@@ -16,9 +16,9 @@ Made by `make evidence` from its results; written by no hand. Trials are numbere
 number is the same trial. `at most` is the share of bad trials that 95 % confidence leaves open (Clopper and Pearson).
 
 A result counts for the code that it was made with, and for no other. `code` is the fingerprint of what a row's trials
-run: every file of the project that they come to by imports, and the versions of all libraries. Where one of these
-files changes, the row begins anew, and what was done before is told below it. `make evidence SHARE=0` runs nothing and
-writes this page with the fingerprints of the tree that it runs in.
+run: every file of the project that they come to by imports, without comments and docstrings, and the versions of all
+libraries. Where one of these changes, the row begins anew, and what was done before is told below it. `make evidence
+SHARE=0` runs nothing and writes this page with the fingerprints of the tree that it runs in.
 
 The [results](evidence.json) beside this page go with the code: which numbers are done, counts, sums of times, and every
 bad trial whole. A run adds to them what it did, however it ends, and runs only what they lack: so a row may be gathered

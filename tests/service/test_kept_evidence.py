@@ -49,6 +49,22 @@ def test_code_that_changed_is_another_one(tree, changed):
     assert _fingerprint(tree) != before
 
 
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ('"""Why."""\nwhat = 1  # one\n', True),
+        ("what = (\n    1\n)\n", True),
+        ('"""Why."""\nwhat = "1"', False),
+        ("what = 1\n'what'", False),  # the last expression of a module is no docstring
+        ("def what():\n    'one'", False),
+    ],
+)
+def test_words_for_people_and_layout_are_no_code(tree, text, same):
+    before = _fingerprint(tree)
+    (tree / "package" / "far.py").write_text(text)
+    assert (_fingerprint(tree) == before) == same
+
+
 def test_what_the_trials_do_not_run_may_change(tree):
     before = _fingerprint(tree)
     (tree / "package" / "other.py").write_text("what = 2")
