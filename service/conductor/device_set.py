@@ -12,6 +12,7 @@ from sqlalchemy.engine import Connection
 
 from robot.room_shapes import RoomShapes, read_room
 from robot.tool import Tool, read_tool
+from service.cases.store import read_case
 from service.database import tables
 from service.devices.store import DeviceKind, expired, files_with_bytes
 from service.errors import ErrorCode, ServiceError
@@ -42,9 +43,8 @@ class DeviceSet:
 
 
 def device_ids(connection: Connection, case_id: str) -> dict[str, str]:
-    """Ids of the device files that a case uses now, by kind."""
-    opened = connection.execute(sa.select(tables.cases.c.devices).where(tables.cases.c.id == case_id)).scalar_one()
-    return changed_devices(connection, case_id, opened)
+    """Ids of the device files that a case uses now, by kind; ServiceError CASE_UNKNOWN."""
+    return changed_devices(connection, case_id, read_case(connection, case_id).devices)
 
 
 def changed_devices(connection: Connection, case_id: str, opened: Mapping[str, str]) -> dict[str, str]:

@@ -53,6 +53,24 @@ def test_an_address_that_leads_nowhere(running, method, path, status, code):
     assert (problem["status"], problem["code"]) == (status, code)
 
 
+def test_a_case_that_nobody_opened_is_a_typed_refusal_wherever_it_is_named(running):
+    with running.client(Role.SURGEON) as client:
+        paths = client.get("/openapi.json").json()["paths"]
+        asked = [(path, method) for path, ways in paths.items() if "{case_id}" in path for method in ways]
+        headers = {"Idempotency-Key": "k", "If-Match": '"1"', "Control-Token": "1"}
+        for path, method in asked:
+            body = {} if method == "post" else None
+            answer = client.request(method, path.removeprefix("/api").format_map(_Any()), json=body, headers=headers)
+            assert answer.status_code < 500, (method, path, answer.text)
+            _problem(answer) if answer.is_error else None
+    assert len(asked) > 30
+
+
+class _Any(dict):
+    def __missing__(self, _key: str) -> str:
+        return "unknown"
+
+
 @pytest.mark.hazard("H09")
 @pytest.mark.parametrize(
     "body",
