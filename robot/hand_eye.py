@@ -13,6 +13,7 @@ from scipy.optimize import OptimizeResult, least_squares
 from scipy.spatial.transform import Rotation
 
 from robot.frames import Array, Transform, check_rigid
+from robot.hand_eye_step import Solved, later_half, single_pose
 from robot.refusal import Refusal, RefusalCode
 
 FEWEST = 6  # sightings; twelve unknowns at six a sighting need two, the rest averages the arm's errors
@@ -25,6 +26,7 @@ _SD_LIMIT_MM = 0.3
 _SD_LIMIT_RAD = float(np.deg2rad(0.1))
 _UNTOLD = 1e-13  # of the largest information
 _OFF_LIMIT_SD = 10.0  # one pose of the arm that is off by more, 1 mm or 0.17 deg, belongs to another image
+_GUIDE, _BASE = slice(0, 6), slice(6, 12)  # of the unknowns
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,7 +118,7 @@ def calibrate(
     problem = _Problem(sightings, prior, check_rigid(start_flange_from_guide))
     solution = least_squares(problem.residuals, problem.start(), method="lm", x_scale=problem.scales())
     found = problem.result(solution)
-    return _refuse_off(found) or _refuse_alike(found) or found
+    return _refuse_inconsistent(problem.solved(solution), found) or _refuse_alike(found) or found
 
 
 def _refuse_alike(found: HandEye) -> Refusal | None:
@@ -127,6 +129,21 @@ def _refuse_alike(found: HandEye) -> Refusal | None:
     if not sd_rad <= _SD_LIMIT_RAD:
         return Refusal(RefusalCode.POSES_TOO_ALIKE, f"{advice} (rad, standard deviation)", sd_rad, _SD_LIMIT_RAD)
     return None
+
+
+def _refuse_inconsistent(solved: Solved, found: HandEye) -> Refusal | None:
+    """By what explains most: some poses are off where something moved, and some may have moved where one is off."""
+    off, half = _refuse_off(found), later_half(solved)
+    if half is None:
+        return off
+    alone = single_pose(solved)
+    if off is not None and alone is not None and alone.drop >= half.drop:
+        return off
+    message = (
+        f"the guide on its flange, or the C-arm or base, moved behind pose {half.poses[0]}: fasten it and record all"
+        " poses anew (fall of chi-square)"
+    )
+    return Refusal(RefusalCode.POSES_INCONSISTENT, message, half.drop, half.limit)
 
 
 def _refuse_off(found: HandEye) -> Refusal | None:
@@ -196,11 +213,16 @@ class _Problem:
             cost_ratio=ratio,
         )
 
+    def solved(self, solution: OptimizeResult) -> Solved:
+        """What the solution leaves, for whoever asks whether both transforms stayed."""
+        rows = [len(one.weights) for one in self._sightings]
+        return Solved(solution.fun, solution.jac * self.scales(), rows, (_GUIDE, _BASE))
+
     def _guide(self, unknowns: Array) -> Transform:
-        return np.asarray(self._flange_from_guide @ _small(unknowns[:6]))
+        return np.asarray(self._flange_from_guide @ _small(unknowns[_GUIDE]))
 
     def _base(self, unknowns: Array) -> Transform:
-        return np.asarray(_small(unknowns[6:12]) @ self._source_from_base)
+        return np.asarray(_small(unknowns[_BASE]) @ self._source_from_base)
 
 
 def _small(steps: Array) -> Array:

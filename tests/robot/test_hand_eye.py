@@ -23,6 +23,7 @@ def pose(turn_deg: list[float], shift_mm: list[float]) -> np.ndarray:
 
 FLANGE_FROM_GUIDE = pose([69.3, -69.3, 69.3], [0.4, -30.2, 150.1])
 SOURCE_FROM_BASE = pose([175.0, 10.0, -5.0], [120.0, -300.0, 700.0])
+STILL = np.eye(4)
 START = FLANGE_FROM_GUIDE @ pose([0.2, -0.1, 0.2], [0.3, -0.3, 0.2])
 
 
@@ -32,14 +33,32 @@ def arm_poses(count: int, axes: int = 3, seed: int = 3) -> list[np.ndarray]:
     return [pose(list(turn), list(rng.uniform(-60.0, 60.0, 3) + np.array([300.0, 0.0, 400.0]))) for turn in turns]
 
 
-def sighted(flange: np.ndarray, error: np.ndarray | None = None, sd_rad: float = 1e-4, sd_mm: float = 0.02) -> Sighting:
-    seen = SOURCE_FROM_BASE @ flange @ FLANGE_FROM_GUIDE
+def sighted(
+    flange: np.ndarray,
+    error: np.ndarray | None = None,
+    sd_rad: float = 1e-4,
+    sd_mm: float = 0.02,
+    guide: np.ndarray = STILL,
+    base: np.ndarray = STILL,
+) -> Sighting:
+    """Of the guide moved on its flange, and of the base moved before the source, by so much."""
+    seen = base @ SOURCE_FROM_BASE @ flange @ FLANGE_FROM_GUIDE @ guide
     if error is not None:
         seen = seen.copy()
         seen[:3, :3] = Rotation.from_rotvec(error[:3]).as_matrix() @ seen[:3, :3]
         seen[:3, 3] += error[3:]
     weights = np.diag([1.0 / sd_rad] * 3 + [1.0 / sd_mm] * 3)
     return Sighting(flange, seen, np.empty(0), weights, np.zeros(6))
+
+
+def noisy(flanges: list[np.ndarray], seed: int = 0, **moved: np.ndarray) -> list[Sighting]:
+    """Arm and images err as much as they are taken to."""
+    rng, sightings = np.random.default_rng(seed), []
+    for flange in flanges:
+        off = pose(list(np.rad2deg(rng.normal(0.0, 3e-4, 3))), list(rng.normal(0.0, 0.1, 3)))
+        image = np.concatenate([rng.normal(0.0, 1e-4, 3), rng.normal(0.0, 0.02, 3)])
+        sightings.append(replace(sighted(flange @ off, image, **moved), base_from_flange=flange))
+    return sightings
 
 
 def test_exact_sightings_give_the_exact_mounting_as_the_library_does() -> None:
@@ -64,15 +83,9 @@ def test_exact_sightings_give_the_exact_mounting_as_the_library_does() -> None:
 
 
 def test_errors_stay_within_what_the_covariance_says() -> None:
-    rng = np.random.default_rng(11)
     squares = []
     for seed in range(4):
-        sightings = []
-        for flange in arm_poses(12, seed=seed):
-            off = pose(list(np.rad2deg(rng.normal(0.0, 3e-4, 3))), list(rng.normal(0.0, 0.1, 3)))
-            image = np.concatenate([rng.normal(0.0, 1e-4, 3), rng.normal(0.0, 0.02, 3)])
-            sightings.append(replace(sighted(flange @ off, image), base_from_flange=flange))
-        found = calibrate(sightings, NOTHING_SHARED, START)
+        found = calibrate(noisy(arm_poses(12, seed=seed), seed=seed), NOTHING_SHARED, START)
         assert isinstance(found, HandEye)
         apart = np.linalg.inv(found.flange_from_guide) @ FLANGE_FROM_GUIDE
         error = np.concatenate([Rotation.from_matrix(apart[:3, :3]).as_rotvec(), apart[:3, 3]])
@@ -124,6 +137,26 @@ def test_pose_of_another_image_is_named() -> None:
     assert isinstance(refusal, Refusal)
     assert refusal.code is RefusalCode.POSES_INCONSISTENT
     assert "pose 5 of 12" in refusal.message
+
+
+@pytest.mark.hazard("H10")
+@pytest.mark.parametrize("behind", [3, 6, 9])
+@pytest.mark.parametrize("turn_deg", [0.0, 0.3])
+@pytest.mark.parametrize("moved", ["guide", "base"])
+def test_what_moves_half_way_is_told_with_its_place(moved: str, turn_deg: float, behind: int) -> None:
+    """Each pose by itself is hardly off, and the covariance knows nothing of it."""
+    step, flanges = pose([turn_deg, 0.0, 0.0], [0.0, 0.5, 0.3]), arm_poses(12)
+    sightings = noisy(flanges[:behind]) + noisy(flanges[behind:], **{moved: step}, seed=1)
+    refusal = calibrate(sightings, NOTHING_SHARED, START)
+    assert isinstance(refusal, Refusal)
+    assert refusal.code is RefusalCode.POSES_INCONSISTENT
+    assert f"moved behind pose {behind}:" in refusal.message
+    assert refusal.measured > refusal.limit
+
+
+def test_errors_as_large_as_they_are_taken_to_be_are_no_step() -> None:
+    for seed in range(20):
+        assert isinstance(calibrate(noisy(arm_poses(8, seed=seed), seed=seed), NOTHING_SHARED, START), HandEye)
 
 
 def test_transform_that_is_not_rigid_is_the_callers_mistake() -> None:
