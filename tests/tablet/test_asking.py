@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+import pytest
 from playwright.sync_api import APIResponse, Page, Route
 
 from tests.tablet.conftest import STATUS
@@ -114,3 +115,49 @@ def test_what_is_refused_before_it_came_to_its_interlocks_shows_none_of_them(all
     banner.wait_for()
     assert banner.locator("li").count() == 0
     assert "Not now" not in banner.inner_text()
+
+
+_LEFT_AMID_A_COMMAND = """async () => {
+    const [{ send, tell, refusal }, { follow }] =
+        await Promise.all([import('/js/case/commands.js'), import('/js/case/live.js')]);
+    const fact = tell('note', { text: 'first' });
+    const request = send('carm_position_confirmed');
+    const leave = follow('another');
+    await Promise.all([fact, request]);
+    leave();
+    return refusal.value.code;
+}"""
+
+
+def test_a_request_that_had_to_wait_is_not_sent_for_a_case_that_was_opened_meanwhile(allowed_at):
+    tablet = allowed_at(State.CASE_OPEN)
+    page, sent = tablet.page, []
+    page.on("request", lambda request: request.method == "POST" and sent.append(request.url.rsplit("/", 1)[-1]))
+    page.locator(".button.is-primary:not([disabled])").wait_for()
+    page.route("**/cases/another/**", lambda route: route.abort())
+    assert page.evaluate(_LEFT_AMID_A_COMMAND) == "case_left"
+    assert sent == ["note"]
+
+
+_SERVICE_AHEAD_OF_THE_TABLET = """async (wrong_by_ms) => {
+    const { serviceNowMs, get } = await import('/js/api.js');
+    const now = Date.now;
+    Date.now = () => now() + wrong_by_ms;
+    await get('/cases');
+    return serviceNowMs() - now();
+}"""
+
+
+@pytest.mark.parametrize("wrong_by_ms", [-3_600_000, 0, 3_600_000])
+def test_a_tablet_whose_clock_is_wrong_counts_by_the_service_s(allowed_at, wrong_by_ms):
+    page = allowed_at(State.CASE_OPEN).page
+    assert -1000.0 <= page.evaluate(_SERVICE_AHEAD_OF_THE_TABLET, wrong_by_ms) <= 1500.0
+
+
+def test_what_is_just_beyond_its_limit_does_not_read_as_at_it(allowed_at):
+    told = (
+        "() => import('/js/words.js').then(({ againstLimit }) => [againstLimit(100.4, 100, 'mm'), againstLimit(5, 1)])"
+    )
+    close, apart = allowed_at(State.CASE_OPEN).page.evaluate(told)
+    assert close == "measured 100.400000 mm, limit 100.000000 mm"
+    assert apart == "measured 5.000, limit 1.000"

@@ -28,6 +28,21 @@ const ANSWER_WITHIN_MS = 30_000;
 const STOP_AGAIN_MS = 200;
 const STOP_TRIES = 10;
 
+/** By how much the service's clock is ahead of this tablet's, ms; each answer tells it anew. */
+let aheadMs = 0;
+
+/** What the service's clock says, to a second: a tablet's own may be wrong by hours. */
+export function serviceNowMs() {
+  return Date.now() + aheadMs;
+}
+
+/** @param {Response} response */
+function hearClock(response) {
+  const saidMs = Date.parse(response.headers.get("Date") ?? "");
+  // The header has whole seconds, cut off: what a time limit leaves is shown rather too short than too long.
+  if (Number.isFinite(saidMs)) aheadMs = saidMs + 1000 - Date.now();
+}
+
 /** A typed no. */
 export class Refused extends Error {
   /** @param {Problem} problem */
@@ -38,7 +53,7 @@ export class Refused extends Error {
 }
 
 /** No answer, or one that is not the service's. */
-const NO_ANSWER = { status: 0, code: "no_answer", detail: "", what_to_do: "" };
+export const NO_ANSWER = { status: 0, code: "no_answer", detail: "", what_to_do: "" };
 
 /**
  * A response of the service.
@@ -58,6 +73,7 @@ export async function answer(path, init = {}) {
   } catch {
     throw new Refused(NO_ANSWER);
   }
+  hearClock(response);
   if (response.ok) return response;
   throw new Refused(await problemOf(response));
 }

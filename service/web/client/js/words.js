@@ -6,6 +6,7 @@ import { signal } from "../vendor/preact.js";
 export const languages = signal({});
 const KEPT = "coaxial.language";
 const FALLBACK = "en";
+const AGAIN_MS = 1000;
 /** As an operating room's clock on the wall has it, in every language. @type {Intl.DateTimeFormatOptions} */
 const CLOCK = { hourCycle: "h23" };
 
@@ -35,9 +36,13 @@ function readWords(name) {
   return read(`/locales/${name}.json`);
 }
 
-/** @param {string} address @returns {Promise<Record<string, string>>} */
+/** Without words there is no screen: asked for until they come. @param {string} address @returns {Promise<Record<string, string>>} */
 async function read(address) {
-  return (await fetch(address)).json();
+  for (;;) {
+    const response = await fetch(address).catch(() => null);
+    if (response?.ok) return response.json();
+    await new Promise((later) => setTimeout(later, AGAIN_MS));
+  }
 }
 
 /**
@@ -78,13 +83,17 @@ export function plain(value) {
 }
 
 // Radians are the service's, degrees a person's.
+const CLOSE_DIGITS = 6;
 const DEG_PER_RAD = 180 / Math.PI;
 
 /** What was measured beside its limit. @param {any} measured @param {any} limit @param {string} [unit] of numbers */
 export function againstLimit(measured, limit, unit = "") {
   const shown = unit.replace(/^(rad|deg)/, "°");
   const factor = unit.startsWith("rad") ? DEG_PER_RAD : 1;
-  const words = (/** @type {any} */ value) => (typeof value === "number" ? `${plain(value * factor)} ${shown}`.trim() : plain(value));
+  // What is just beyond its limit must not read as what is at it.
+  const isClose = measured !== limit && plain(measured * factor) === plain(limit * factor);
+  const figure = (/** @type {number} */ value) => (isClose ? number(value, CLOSE_DIGITS) : plain(value));
+  const words = (/** @type {any} */ value) => (typeof value === "number" ? `${figure(value * factor)} ${shown}`.trim() : plain(value));
   if (typeof limit === "boolean") return t("refused.found", { found: plain(measured), needed: plain(limit) });
   return t("refused.measured", { measured: words(measured), limit: words(limit) });
 }

@@ -7,6 +7,9 @@ import { noteRefusal } from "../room/room.js";
 // A service that is away, or too busy for an answer, is asked again.
 const AGAIN_MS = 2000;
 
+// More than a case has links; a tablet that is left on for weeks sees many cases.
+const KEPT = 500;
+
 /** @type {Map<string, Promise<any>>} */
 const read = new Map();
 
@@ -17,7 +20,30 @@ function once(path) {
   const reading = get(path);
   reading.catch(() => read.delete(path));
   read.set(path, reading);
+  const [oldest] = read.keys();
+  if (read.size > KEPT) read.delete(oldest);
   return reading;
+}
+
+/**
+ * Ask until there is an answer that is told, or until the returned function is called: answers may overtake one another,
+ * and that to an earlier question must not come back.
+ * @param {() => Promise<any>} question
+ * @param {(value: any) => void} tell
+ * @returns {() => void}
+ */
+export function askUntil(question, tell) {
+  let isAsked = true;
+  const ask = () => question().then((value) => isAsked && tell(value), askAgain);
+  const askAgain = (/** @type {unknown} */ refused) => {
+    noteRefusal(refused);
+    const { status } = /** @type {Refused} */ (refused).problem;
+    if (isAsked && (status === 0 || status >= 500)) setTimeout(() => isAsked && ask(), AGAIN_MS);
+  };
+  ask();
+  return () => {
+    isAsked = false;
+  };
 }
 
 /**
@@ -30,18 +56,7 @@ export function useAnswer(path, changes = false) {
   const [answered, setAnswered] = useState(/** @type {any} */ ({ path: null, value: null }));
   useEffect(() => {
     if (path === null) return undefined;
-    // Answers may overtake one another; that to an earlier question must not come back.
-    let isAsked = true;
-    const ask = () => (changes ? get(path) : once(path)).then((value) => isAsked && setAnswered({ path, value }), askAgain);
-    const askAgain = (/** @type {unknown} */ refused) => {
-      noteRefusal(refused);
-      const { status } = /** @type {Refused} */ (refused).problem;
-      if (isAsked && (status === 0 || status >= 500)) setTimeout(() => isAsked && ask(), AGAIN_MS);
-    };
-    ask();
-    return () => {
-      isAsked = false;
-    };
+    return askUntil(() => (changes ? get(path) : once(path)), (value) => setAnswered({ path, value }));
   }, [path]);
   return answered.path === path || changes ? answered.value : null;
 }

@@ -3,6 +3,7 @@
 import { signal } from "../../vendor/preact.js";
 import { newKey, post, Refused } from "../api.js";
 import { noteRefusal } from "../room/room.js";
+import { t } from "../words.js";
 import { readStatus, status } from "./live.js";
 import { overrides } from "./overriding.js";
 
@@ -27,8 +28,11 @@ let quiet = Promise.resolve();
  */
 export function send(trigger, body = {}) {
   sending.value = trigger;
+  const { case_id: caseId } = status.value;
   const request = async () => {
-    const told = await deliver(trigger, withOverrides(trigger, body), standing());
+    // It may have had to wait, and another case be open by now, for which it was not meant.
+    if (status.value?.case_id !== caseId) return refuse(trigger, { code: "case_left", detail: t("refused.case_left") });
+    const told = await deliver(caseId, trigger, withOverrides(trigger, body), standing());
     if (told) overrides.value = {};
     return told;
   };
@@ -42,7 +46,7 @@ export function send(trigger, body = {}) {
  * @returns {Promise<any>} null where it was refused all the same
  */
 export function tell(trigger, body = {}) {
-  return remember(deliver(trigger, body, {}));
+  return remember(deliver(status.value.case_id, trigger, body, {}));
 }
 
 /** @param {Promise<any>} said */
@@ -51,17 +55,22 @@ function remember(said) {
   return said;
 }
 
-/** @param {string} trigger @param {object} body @param {Record<string, string>} headers */
-async function deliver(trigger, body, headers) {
+/** @param {string} trigger @param {object} problem @returns {null} */
+function refuse(trigger, problem) {
+  refusal.value = { trigger, ...problem };
+  return null;
+}
+
+/** @param {string} caseId @param {string} trigger @param {object} body @param {Record<string, string>} headers */
+async function deliver(caseId, trigger, body, headers) {
   refusal.value = null;
-  const { case_id: caseId } = status.value;
   try {
     const told = await again(`/cases/${caseId}/${trigger.replaceAll("_", "-")}`, body, headers);
     await readStatus();
     return told;
   } catch (refused) {
     noteRefusal(refused);
-    refusal.value = { trigger, ...(/** @type {Refused} */ (refused).problem) };
+    refuse(trigger, /** @type {Refused} */ (refused).problem);
     await readStatus();
     return null;
   }

@@ -52,7 +52,13 @@ const RUNNING = new Set(["moving", "inserting", "image_acquired"]);
 
 /** @param {{id: string}} props */
 export function CaseFrame({ id }) {
-  useEffect(() => follow(id), [id]);
+  useEffect(() => {
+    const end = follow(id);
+    return () => {
+      withdrawQuestion(); // its answer would be about the case that is opened next
+      end();
+    };
+  }, [id]);
   const current = status.value?.case_id === id ? status.value : null;
   const state = current?.state ?? "";
   useEffect(() => {

@@ -1,7 +1,7 @@
 /** Device files: which are in use, until when, what stands in them, and a newer one uploaded by the engineer. */
 
 import { html, useState } from "../../vendor/preact.js";
-import { answer, Refused } from "../api.js";
+import { answer, Refused, serviceNowMs } from "../api.js";
 import { useAnswer } from "../case/artefacts.js";
 import { Head } from "../parts/head.js";
 import { StopBar } from "../parts/stop.js";
@@ -47,7 +47,7 @@ export function Devices() {
 
 /** @param {any} device */
 export function DeviceLine({ kind, name, version, expires, sha256, uploaded_at: at, uploaded_by: by, onRead }) {
-  const days = expires ? Math.ceil((Date.parse(expires) - Date.now()) / DAY_MS) : null;
+  const days = expires ? Math.ceil((Date.parse(expires) - serviceNowMs()) / DAY_MS) : null;
   const mark = days === null ? "" : days < 0 ? "is-over" : days < SOON_DAYS ? "is-soon" : "";
   return html`<li class="device ${mark}">
     <b>${t(`device.${kind}`)}</b><span>${name} ${version}</span>

@@ -1,6 +1,7 @@
 /** Asking for an exposure, and waiting for the image that it makes. */
 
 import { html, useEffect, useState } from "../../vendor/preact.js";
+import { serviceNowMs } from "../api.js";
 import { useAnswer } from "../case/artefacts.js";
 import { newest, status } from "../case/live.js";
 import { Action, Waiting } from "../parts/controls.js";
@@ -23,7 +24,7 @@ function waitedFor() {
 function windowLeftS() {
   const waited = waitedFor();
   if (!waited) return 0;
-  const ageS = (Date.now() - Date.parse(waited.at)) / 1000;
+  const ageS = (serviceNowMs() - Date.parse(waited.at)) / 1000;
   return Math.max(0, Math.ceil((room.value?.limits.exposure_window_s ?? 0) - ageS));
 }
 
@@ -57,7 +58,7 @@ export function Unusable() {
   const stray = newest("image_arrived");
   const isStray = stray && stray.data.row === 5 && (!refused || stray.sequence > refused.sequence);
   if (isStray && stray.data.problem) return html`<${Why} reason=${stray.data.problem} />`;
-  if (isStray) return html`<${Stray} id=${stray.data.image_id} />`;
+  if (isStray) return html`<${Stray} key=${stray.data.image_id} id=${stray.data.image_id} />`;
   return html`<${NoResult} />`;
 }
 
