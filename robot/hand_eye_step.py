@@ -16,6 +16,7 @@ from robot.frames import Array
 _FEWEST_ON_A_SIDE = 2
 _FALSE_ALARMS = 1e-3  # of whole calibrations in which nothing moved, as far as errors are as they were taken to be
 _ORDERS = 200  # among which that of the recording must be the best: 0.5 % of those in which nothing moved
+_ROUNDING = 1e-6
 _UNTOLD = 1e-8  # of the largest singular value: a direction that nothing tells about
 
 
@@ -61,7 +62,8 @@ def later_half(solved: Solved) -> Apart | None:
         return None
     lots = np.random.default_rng(0)
     others = (_likeliest(solved, known, _later(tuple(lots.permutation(poses)))) for _ in range(_ORDERS))
-    return None if any(one is not None and one.drop > found.drop for one in others) else found
+    # An order with the same two sides, either first, says the same but for rounding.
+    return None if any(one is not None and one.drop > found.drop * (1.0 + _ROUNDING) for one in others) else found
 
 
 def single_pose(solved: Solved) -> Apart | None:
