@@ -105,9 +105,9 @@ class Play:
             raise Difference(f"refused by {sorted(refusing(answer.body))}, expected {sorted(expected[1])}")
 
     def stopping(self, happens: Callable[[], None]) -> None:
-        """What happens stops the arm, if it moves: the end of that motion is late news, or the stop itself.
+        """What happens stops the arm, if it moves: the end of that motion is late news.
 
-        Any statement stops an arm that moves before it is recorded, also one that would let it go on.
+        Any statement stops an arm that moves before it is recorded; behind one that would let it go on comes the stop.
         """
         moved = self.model.state == "moving"
         happens()
@@ -116,8 +116,7 @@ class Play:
         self.room.drift_known = False
         if self.model.state == "moving":
             self.model.held("stop")
-        else:
-            self.model.stays("missed")
+        self.model.stays("missed")
 
     def compare(self) -> None:
         """The status of the case, once it has as many events as the model."""
