@@ -1,19 +1,23 @@
 """The held button as a scripted client presses it: a heartbeat for each challenge, as soon as that comes.
 
 What waited for a beat of its own would be older by that wait when it is back, and age is what the guard judges.
+
+One thread alone reads and writes: OpenSSL bears no two on one connection. Where one read the tickets that TLS 1.3 sends
+behind its handshake while another wrote, what was written was lost.
 """
 
+import asyncio
 import json
 import ssl
 import threading
 from collections.abc import Callable
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Self
 
+from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus
-from websockets.sync.client import ClientConnection, connect
 
 from coaxial_client.answers import NoAnswer, Refused
 
@@ -54,11 +58,8 @@ class Hold:
     def __init__(self, button: Button, on_ended: Callable[[HoldEnded], None]) -> None:
         self._button = button
         self._on_ended = on_ended
-        self._open = ExitStack()
-        self._listening = threading.Thread(target=self._listen, daemon=True)
-        self._longest = threading.Timer(button.longest_s, self.release)
-        self._longest.daemon = True
-        self._lock = threading.Lock()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._connection: ClientConnection | None = None
         self._held = True
         self._silent = False
         self._number = 0
@@ -68,11 +69,12 @@ class Hold:
         self.progress: dict[str, Any] = {}
 
     def __enter__(self) -> Self:
-        self._connection = self._open.enter_context(_connected(self._button))
+        self._loop = asyncio.new_event_loop()
+        self._thread.start()
         try:
-            self._listening.start()
-            self._longest.start()
-        except BaseException:  # an interrupt between the two must not leave a button pressed
+            self._connection = asyncio.run_coroutine_threadsafe(_connected(self._button), self._loop).result()
+            asyncio.run_coroutine_threadsafe(self._listen(self._connection), self._loop)
+        except BaseException:  # an interrupt meanwhile must not leave a button pressed
             self._let_go()
             raise
         return self
@@ -81,14 +83,16 @@ class Hold:
         self._let_go()
 
     def _let_go(self) -> None:
-        if not self._over.is_set():
+        if self._connection is not None and not self._over.is_set():
             self.release()
             self._over.wait(_ENDED_WITHIN_S)
         self._over.set()
-        self._longest.cancel()
-        self._open.close()
-        if self._listening.ident is not None:
-            self._listening.join(_ENDED_WITHIN_S)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(_ENDED_WITHIN_S)
+
+    def _run(self) -> None:
+        with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
+            runner.get_loop().run_forever()
 
     @property
     def is_over(self) -> bool:
@@ -98,7 +102,8 @@ class Hold:
     def release(self) -> None:
         """Let go: said at once, not only by silence."""
         self._held = False
-        self._send()
+        with suppress(RuntimeError):  # the context was left, and let go
+            self._loop.call_soon_threadsafe(self._say_released)
 
     def fall_silent(self) -> None:
         """Send nothing any more, as a lost network would; what comes in is still heard."""
@@ -120,30 +125,33 @@ class Hold:
             raise NoAnswer("the connection of the held button broke: silence stops the arm")
         return self._ended
 
-    def _send(self) -> None:
-        with self._lock:
-            if not self._challenge or self._over.is_set():
-                return
-            self._number += 1
-            beat = {"number": self._number, "challenge": self._challenge, "held": self._held}
-            with suppress(ConnectionClosed, OSError):  # the ending may have come, and not have been read yet
-                self._connection.send(json.dumps(beat))
+    def _say_released(self) -> None:
+        self._releasing = self._loop.create_task(self._send())  # kept: a task that nobody holds may vanish
 
-    def _listen(self) -> None:
+    async def _listen(self, connection: ClientConnection) -> None:
+        self._loop.call_later(self._button.longest_s, self.release)
         try:
-            for text in self._connection:
-                self._take(json.loads(text))
-        except (ConnectionClosed, OSError):
-            pass
+            with suppress(ConnectionClosed, OSError):
+                async for text in connection:
+                    await self._take(json.loads(text))
         finally:
             self._over.set()
+            await connection.close()
 
-    def _take(self, message: dict[str, Any]) -> None:
+    async def _send(self) -> None:
+        if self._connection is None or not self._challenge or self._over.is_set():
+            return
+        self._number += 1
+        beat = {"number": self._number, "challenge": self._challenge, "held": self._held}
+        with suppress(ConnectionClosed, OSError):  # the ending may have come, and not have been read yet
+            await self._connection.send(json.dumps(beat))
+
+    async def _take(self, message: dict[str, Any]) -> None:
         if message["type"] == "progress":
             self._challenge = message["challenge"]
             self.progress = message
             if self._held and not self._silent:
-                self._send()
+                await self._send()
             return
         self._ended = HoldEnded(
             cause=message["cause"],
@@ -157,14 +165,15 @@ class Hold:
         self._over.set()
 
 
-def _connected(button: Button) -> ClientConnection:
+async def _connected(button: Button) -> ClientConnection:
     headers = {"Authorization": f"Bearer {button.token}"}
     try:
-        return connect(
+        return await connect(
             button.url,
             ssl=button.tls,
             additional_headers=headers,
             open_timeout=_OPENED_WITHIN_S,
+            close_timeout=_ENDED_WITHIN_S,
             ping_interval=None,
             proxy=None,
         )
