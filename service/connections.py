@@ -45,6 +45,7 @@ class PromptProtocol(H11Protocol):
         self._within_s: float | None = None  # what is waited for must come within it; None: nothing is
         self._since_s = 0.0
         self._deadline: asyncio.TimerHandle | None = None
+        self._is_upgraded = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as in H11Protocol
         """Somebody connected and owes a head."""
@@ -70,13 +71,14 @@ class PromptProtocol(H11Protocol):
         super().connection_lost(exc)
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
-        """Another protocol goes on from here."""
-        self._wait_for(None)
+        """Another protocol goes on from here, though this one's reader still sees the end of a request to come."""
+        self._is_upgraded = True
         super().handle_websocket_upgrade(event)
 
     def _look(self) -> None:
         limits_s = {h11.IDLE: _HEAD_S, h11.SEND_BODY: _BODY_S}  # by what the peer is at
-        self._wait_for(None if self.transport.is_closing() else limits_s.get(self.conn.their_state))
+        is_over = self._is_upgraded or self.transport.is_closing()
+        self._wait_for(None if is_over else limits_s.get(self.conn.their_state))
         if self._within_s is not None and len(self.connections) > MOST_WAITED_FOR:
             self._make_room()
 

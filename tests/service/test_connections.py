@@ -1,5 +1,6 @@
 """Connections that get nowhere: ended in time, and in nobody's way."""
 
+import asyncio
 import resource
 import socket
 import time
@@ -8,10 +9,15 @@ from contextlib import ExitStack, contextmanager
 from urllib.parse import urlsplit
 
 import pytest
+import uvicorn
+from starlette.types import Receive, Scope, Send
+from starlette.websockets import WebSocket
+from websockets.asyncio.client import connect
 
 from service import connections
 from service.auth.permissions import Role
-from service.connections import MOST_WAITED_FOR, allow_descriptors
+from service.connections import MOST_WAITED_FOR, PromptProtocol, allow_descriptors
+from tests.waiting import until
 
 _HEAD = b"GET /api/health/live HTTP/1.1\r\nHost: room\r\n"
 _BODY = b"POST /api/session HTTP/1.1\r\nHost: room\r\nContent-Type: application/json\r\nContent-Length: 100\r\n\r\n{"
@@ -83,6 +89,35 @@ def test_nor_do_they_in_a_body_or_behind_a_request_that_was_answered(running, mo
         assert connection.recv(4096).startswith(b"HTTP/1.1 200")
         connection.sendall(_HEAD + b"X-Slow: ")
         assert _trickle(connection, b"x")
+
+
+def test_a_held_button_owes_no_body_however_long_it_is_held(monkeypatch):
+    monkeypatch.setattr(connections, "_BODY_S", 0.2)
+    assert asyncio.run(_said_late(0.6)) == "held"
+
+
+async def _said_late(after_s: float) -> str | bytes:
+    """What an open WebSocket hears of a word that it sends after a silence."""
+    config = uvicorn.Config(_echo, host="127.0.0.1", port=0, http=PromptProtocol, lifespan="off", log_config=None)
+    server = uvicorn.Server(config)
+    async with asyncio.TaskGroup() as tasks:
+        tasks.create_task(server.serve())
+        await asyncio.to_thread(until, lambda: server.started)
+        try:
+            port = server.servers[0].sockets[0].getsockname()[1]
+            async with connect(f"ws://127.0.0.1:{port}", proxy=None) as button:
+                await asyncio.sleep(after_s)
+                await button.send("held")
+                return await button.recv()
+        finally:
+            server.should_exit = True
+
+
+async def _echo(scope: Scope, receive: Receive, send: Send) -> None:
+    button = WebSocket(scope, receive, send)
+    await button.accept()
+    await button.send_text(await button.receive_text())
+    await button.close()
 
 
 def test_a_stop_finds_room_among_1100_half_open_connections(running, descriptors, monkeypatch):
