@@ -1,13 +1,15 @@
 """Whole procedures one behind the other in one service: open descriptors, memory, and the ledger in the end.
 
 The C-arm sends two kept images, the guide before a motion of a millimetre and after it, each time with pixels of its
-own. What the service holds is that of its process, its guard and its image worker together.
+own. What the service holds is that of its process, its guard and its image worker together; the growth is told of each.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TypeVar
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -30,11 +32,33 @@ _TRIES = 5  # a crowded machine loses the feedback or the hold, and the case is 
 _LONGEST_S = 60.0  # of a motion of a millimetre
 _WAY = ("carm_positioned", "registered", "target_chosen", "moved", "verified", "inserting", "sleeve_inserted")
 
+# What names a process in its command line.
+_PARTS = {
+    "robot.guard": "guard",
+    "resource_tracker": "Python's resource tracker",
+    "spawn_main": "image worker",
+    "main() serve": "service",
+}
+_T = TypeVar("_T")
+
+
+@dataclass(frozen=True, slots=True)
+class Used:
+    """What a service holds with all that it started: open descriptors, and each part's own memory, MB."""
+
+    descriptors: int
+    parts_mb: Mapping[str, float]
+
+    @property
+    def memory_mb(self) -> float:
+        """Of all parts together."""
+        return sum(self.parts_mb.values())
+
 
 def procedures(folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
     """A procedure for each number, all in one process; behind the last one the slope is judged and the ledger read."""
     del folder  # nothing is prepared
-    used: list[tuple[int, float]] = []
+    used: list[Used] = []
     with TemporaryDirectory() as place, ExitStack() as opened:
         room = SoakedRoom(opened, Path(place))
         for number in numbers:
@@ -44,8 +68,7 @@ def procedures(folder: Path, numbers: Sequence[int]) -> Iterator[Trial]:
             said = "; ".join(filter(None, (leaking(used), growing(used), room.unverified()))) if last else ""
             tries = f"begun anew after {', '.join(held)}" if held else "held nowhere"
             kind = f"{len(used)} in one process, {told(used)}" if last else tries
-            descriptors, memory_mb = used[-1]
-            measured = {"descriptors": descriptors, "memory_mb": memory_mb}
+            measured = {"descriptors": used[-1].descriptors, "memory_mb": used[-1].memory_mb}
             yield {"number": number, "kind": kind, "bad": bool(said), "said": said} | measured
 
 
@@ -100,10 +123,10 @@ class SoakedRoom:
         walk.moved("approach", base_from_goal=self._start)
         case.command("case-closed", pin=PIN, abandoned={"L3 right": "the procedure is a short one"})
 
-    def used(self) -> tuple[int, float]:
-        """Open descriptors and the memory, MB, that service, guard and image worker have for themselves."""
-        each = [_used(process) for process in _family(self._service.process.pid)]
-        return sum(descriptors for descriptors, _ in each), sum(memory_mb for _, memory_mb in each)
+    def used(self) -> Used:
+        """What service, guard and image worker have for themselves."""
+        family = _family(self._service.process.pid)
+        return Used(sum(_descriptors(one) for one in family), {_part(one): _memory_mb(one) for one in family})
 
     def unverified(self) -> str:
         """What `coaxial audit verify` finds; nothing where all is well."""
@@ -111,35 +134,48 @@ class SoakedRoom:
         return "" if ran.returncode == 0 else (ran.stdout + ran.stderr).strip()[-500:]
 
 
-def told(used: Sequence[tuple[int, float]]) -> str:
+def told(used: Sequence[Used]) -> str:
     """What came of it, in words."""
-    slope_kb = _slope_kb(used)
-    grown = f"{slope_kb[0]:+.1f} to {slope_kb[1]:+.1f} kB a procedure (95 %)" if slope_kb else "not judged, too few"
-    return f"{used[-1][0]} descriptors, memory {grown}"
+    together = _slope_kb([one.memory_mb for one in used])
+    if together is None:
+        return f"{used[-1].descriptors} descriptors, memory not judged, too few"
+    low_kb, high_kb = together
+    parts = ", ".join(f"{part} {grown_kb:+.1f}" for part, grown_kb in _grown_kb(used).items())
+    return (
+        f"{used[-1].descriptors} descriptors, "
+        f"memory {low_kb:+.1f} to {high_kb:+.1f} kB a procedure (95 %), by part {parts}"
+    )
 
 
-def leaking(used: Sequence[tuple[int, float]]) -> str:
+def leaking(used: Sequence[Used]) -> str:
     """Descriptors that were not closed."""
-    (first, _), (last, _) = _settled(used)[0], used[-1]
+    first, last = _settled(used)[0].descriptors, used[-1].descriptors
     return f"{last} descriptors, {first} once all was settled" if last > first + _SPARE_DESCRIPTORS else ""
 
 
-def growing(used: Sequence[tuple[int, float]]) -> str:
+def growing(used: Sequence[Used]) -> str:
     """Memory that may grow by more than is allowed."""
-    slope_kb = _slope_kb(used)
+    slope_kb = _slope_kb([one.memory_mb for one in used])
     return f"memory may grow by {slope_kb[1]:.1f} kB a procedure" if slope_kb and slope_kb[1] >= MOST_KB else ""
 
 
-def _settled(used: Sequence[tuple[int, float]]) -> Sequence[tuple[int, float]]:
+def _grown_kb(used: Sequence[Used]) -> dict[str, float]:
+    """The middle of each part's growth a procedure, kB, the largest first."""
+    slopes_kb = {part: _slope_kb([one.parts_mb.get(part, 0.0) for one in used]) for part in used[-1].parts_mb}
+    middle_kb = {part: (slope[0] + slope[1]) / 2 for part, slope in slopes_kb.items() if slope}
+    return dict(sorted(middle_kb.items(), key=lambda one: -one[1]))
+
+
+def _settled(used: Sequence[_T]) -> Sequence[_T]:
     return used[int(_SETTLING * len(used)) :]
 
 
-def _slope_kb(used: Sequence[tuple[int, float]]) -> tuple[float, float] | None:
+def _slope_kb(memory_mb: Sequence[float]) -> tuple[float, float] | None:
     """The 95 % confidence interval of the growth a procedure, kB, None of too few.
 
     Of the means of blocks, for neighbours depend on one another.
     """
-    settled = np.array([memory_mb for _, memory_mb in _settled(used)]) * 1e3
+    settled = np.array(_settled(memory_mb)) * 1e3
     size = len(settled) // _BLOCKS
     if size == 0:
         return None
@@ -162,7 +198,16 @@ def _family(process: int) -> list[int]:
     return [process, *(one for child in children for one in _family(child))]
 
 
-def _used(process: int) -> tuple[int, float]:
+def _part(process: int) -> str:
+    command = Path(f"/proc/{process}/cmdline").read_bytes().replace(b"\0", b" ").decode()
+    return next((part for sign, part in _PARTS.items() if sign in command), f"process {process}")
+
+
+def _descriptors(process: int) -> int:
+    return len(list(Path(f"/proc/{process}/fd").iterdir()))
+
+
+def _memory_mb(process: int) -> float:
     status = Path(f"/proc/{process}/status").read_text()
     anonymous = next(line for line in status.splitlines() if line.startswith("RssAnon:"))
-    return len(list(Path(f"/proc/{process}/fd").iterdir())), int(anonymous.split()[1]) / 1e3
+    return int(anonymous.split()[1]) / 1e3
