@@ -162,6 +162,15 @@ def test_an_authority_of_the_hospitals_own_is_trusted_if_it_is_named(certificate
             pass
 
 
+def test_a_button_that_was_let_go_before_it_is_pressed_says_nothing(guard) -> None:
+    hold = _hold(guard)
+    hold.release()
+    with hold, pytest.raises(TimeoutError):
+        hold.wait(0.2)
+    hold.release()
+    assert not any(beat["held"] for beat in _heard(guard))
+
+
 def test_every_press_through_tls_is_heard(certificate) -> None:
     with _up(Guard(), certificate) as guard, Coaxial(guard.url, ca_file=certificate.file) as client:
         for _ in range(_PRESSES):

@@ -102,8 +102,9 @@ class Hold:
     def release(self) -> None:
         """Let go: said at once, not only by silence."""
         self._held = False
-        with suppress(RuntimeError):  # the context was left, and let go
-            self._loop.call_soon_threadsafe(self._say_released)
+        if self._thread.is_alive():  # else nothing was pressed yet, or all is over
+            with suppress(RuntimeError):  # the context is being left meanwhile
+                self._loop.call_soon_threadsafe(self._say_released)
 
     def fall_silent(self) -> None:
         """Send nothing any more, as a lost network would; what comes in is still heard."""
