@@ -4,6 +4,7 @@ The C-arm sends two kept images, the guide before a motion of a millimetre and a
 own. What the service holds is that of its process, its guard and its image worker together; the growth is told of each.
 """
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -126,7 +127,10 @@ class SoakedRoom:
     def used(self) -> Used:
         """What service, guard and image worker have for themselves."""
         family = _family(self._service.process.pid)
-        return Used(sum(_descriptors(one) for one in family), {_part(one): _memory_mb(one) for one in family})
+        parts_mb: dict[str, float] = defaultdict(float)
+        for one in family:
+            parts_mb[_part(one)] += _memory_mb(one)
+        return Used(sum(_descriptors(one) for one in family), parts_mb)
 
     def unverified(self) -> str:
         """What `coaxial audit verify` finds; nothing where all is well."""

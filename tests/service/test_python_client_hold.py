@@ -20,9 +20,9 @@ from coaxial_client import Coaxial, Hold, HoldEnded, NoAnswer
 from tests.certificates import Certificate
 
 _ENDED = {"type": "ended", "cause": "released", "state": "moved", "version": 7}
-# Of presses whose connection two threads used, one in thirty got no answer on a busy machine, fewer on an idle one.
-_PRESSES = 300
 _ENDED |= {"distance_mm": 1.0, "angle_deg": 0.0, "problem": None}
+# Of presses whose connection two threads used, some of a hundred got no answer on a busy machine.
+_PRESSES = 300
 
 
 @dataclass
